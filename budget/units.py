@@ -310,6 +310,20 @@ def parse_quantity(
     )
 
 
+def size_of(unit: str) -> float:
+    """Return the size of a unit [SI].
+
+    Raises
+    ------
+    UnitError
+        It is none that we know.
+    """
+    size = _size(unit, STANDARD_GRAVITY)
+    if size is None:
+        raise UnitError(f"{unit!r} is no unit of this package")
+    return size.si_per_unit
+
+
 @lru_cache(maxsize=1024)
 def kind_of(like: str) -> Kind:
     """Return the kind of quantity that `like` is a unit of."""

@@ -10,7 +10,7 @@ from typing import Any
 import budget
 from budget.report.schema import results_schema
 from budget.spec.makers import READINGS
-from budget.studies.export.targets import LEAVE_OUT, TARGETS, ZERO
+from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
 
 DOCS = Path(__file__).resolve().parent
 MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
@@ -26,13 +26,13 @@ def words() -> list[str]:
     return rows
 
 
-def targets() -> list[str]:
+def exports() -> list[str]:
     """Return one row for each target: keys with their units, and where from."""
     rows = ["| `--to` | target | keys [unit] | read in |", "|---|---|---|---|"]
-    for target in TARGETS:
+    for target in targets().values():
         keys = ", ".join(
-            f"`{entry.key}` [{entry.unit}]{MARKS.get(entry.absent, '')}"
-            for entry in target.entries
+            f"`{key}` [{unit}]{MARKS.get(absent, '')}"
+            for key, unit, absent in keys_of(target)
         )
         rate = ", `--rate`" if target.needs_rate else ""
         sources = "; ".join(target.sources)
@@ -99,7 +99,7 @@ def _type(part: dict[str, Any]) -> str:
 
 TABLES = {
     "datasheets.md": ("words", words),
-    "export.md": ("targets", targets),
+    "export.md": ("targets", exports),
     "library.md": ("names", names),
     "documents.md": ("keys", keys),
 }

@@ -4,11 +4,25 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from budget.cli import options
+from budget.resources import names_in
+
+NAMES = tuple(names_in("templates", "export"))
+
+
+def _target(text: str) -> str:
+    """Read the name of a target, in capitals too."""
+    name = text.strip().casefold()
+    if name not in NAMES:
+        shown = text if len(text) <= options.LONGEST_NUMBER else "the text given"
+        raise typer.BadParameter(
+            f"{shown!r} is no target; there are: {', '.join(NAMES)}"
+        )
+    return name
 
 
 def _factor(text: str) -> float:
@@ -57,22 +71,13 @@ def export(
     *,
     changes: options.Changes = None,
     to: Annotated[
-        Literal[
-            "kalibr",
-            "openvins",
-            "vins",
-            "gtsam",
-            "kf-gins",
-            "psins",
-            "gazebo",
-            "ros",
-            "matlab",
-            "nav-toolkit",
-        ],
+        str,
         typer.Option(
             "--to",
-            case_sensitive=False,
+            parser=_target,
+            metavar=f"<{'|'.join(NAMES)}>",
             help="What reads the file; nav-toolkit is NaveGo.",
+            autocompletion=lambda: [*NAMES],
         ),
     ],
     residual: Annotated[

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from string import Template
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -19,16 +18,16 @@ from budget.report.blocks import (
 )
 from budget.report.document import csv_text
 from budget.report.tables import print_given
-from budget.resources import shipped
 from budget.studies.export.study import REFERENCE
-from budget.studies.export.targets import ONE
+from budget.studies.export.template import END, GONE, HEADER, KEY
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.report.blocks import Block
-    from budget.studies.export.study import Export, Exported
+    from budget.studies.export.study import Export
+    from budget.studies.export.template import Exported
 
 WIDTH = 88
 OPEN, CLOSE = "<!--", "-->"  # comments of XML
@@ -38,69 +37,33 @@ _ORDERS = re.compile(
     r"(coding|\bvim?[<=>]?\d*|\bex|local variables|language-server|-\*)(?=[:=-])",
     re.IGNORECASE,
 )
-_NAMES = re.compile(r"\$\{?([A-Za-z]\w*)\}?")
+_KEYS = re.compile(f"{KEY}([^{END}]*){END}")
 _DIGITS = 6  # of a value for people
 _ASSUMED, _SOURCES = "Assumed", "Keys and units from"
 QUIET = {_ASSUMED, _SOURCES}  # lists that stand in the file, or elsewhere
 
 
 def write_export(found: Export) -> str:
-    """Fill the template of a target in.
+    """Return the file of a target with its comments.
 
     A line with a key that is left out goes; before the first line of a key stands
     where its value is from.
     """
-    text = (shipped("templates") / "export" / found.target.template).read_text("utf-8")
     explained: set[str] = set()
-    by_key = {one.entry.key: one for one in found.entries}
-    values = dict(_values(found))
-    absent = {entry.key for entry in found.target.entries} - by_key.keys()
+    by_key = {one.key: one for one in found.entries}
     lines: list[str] = []
-    for line in text.splitlines():
-        names = _NAMES.findall(line)
-        if line == "$header":
+    for line in found.body.splitlines():
+        if line == HEADER:
             lines += _comments(_header(found), found.target.comment, "")
-            continue
-        keys = [key for name in names for key in _keys_of(name, by_key.keys() | absent)]
-        if any(key in absent for key in keys):
-            continue
-        indent = line[: len(line) - len(line.lstrip())]
-        for key in dict.fromkeys(keys):
-            if key not in explained:
-                steps = [f"{key}: {by_key[key].steps[0]}", *by_key[key].steps[1:]]
-                lines += _comments(steps, found.target.comment, indent)
-                explained.add(key)
-        lines.append(Template(line).substitute(values))
+        elif GONE not in line:
+            indent = line[: len(line) - len(line.lstrip())]
+            for key in dict.fromkeys(_KEYS.findall(line)):
+                if key not in explained:
+                    steps = [f"{key}: {by_key[key].steps[0]}", *by_key[key].steps[1:]]
+                    lines += _comments(steps, found.target.comment, indent)
+                    explained.add(key)
+            lines.append(_KEYS.sub("", line))
     return "\n".join(lines) + "\n"
-
-
-def _keys_of(name: str, keys: set[str]) -> list[str]:
-    """Return the key that a name of a template is of: itself, or one of its axes."""
-    return [key for key in keys if name == key or re.fullmatch(f"{key}_[xyz]", name)]
-
-
-def _values(found: Export) -> Iterator[tuple[str, str]]:
-    """Yield what stands for each name in the template."""
-    yield "gravity", print_double(found.gravity)
-    if found.rate is not None:
-        yield "rate", print_double(found.rate)
-    for one in found.entries:
-        texts = [print_double(value) for value in one.values]
-        if one.entry.axes == ONE:
-            yield one.entry.key, texts[0]
-            continue
-        yield one.entry.key, f"[{', '.join(texts)}]"
-        for axis, text in zip(one.entry.axes, texts, strict=True):
-            yield f"{one.entry.key}_{axis}", text
-
-
-def print_double(value: float) -> str:
-    """Print a number so that every reader reads that very double.
-
-    With a point in it, without which YAML 1.1 reads 1e-06 as a text.
-    """
-    mantissa, mark, exponent = repr(float(value)).partition("e")
-    return f"{mantissa}{'' if '.' in mantissa else '.0'}{mark}{exponent}"
 
 
 def _header(found: Export) -> Iterator[str]:
@@ -190,9 +153,9 @@ def export_answer(found: Export) -> tuple[Section, ...]:
         table_of(
             found.entries,
             (
-                Field(head="key", cell=lambda one: one.entry.key),
+                Field(head="key", cell=lambda one: one.key),
                 Field(head="value", cell=_value),
-                Field(head="unit", cell=lambda one: one.entry.unit),
+                Field(head="unit", cell=lambda one: one.unit),
                 Field(head="from", cell=lambda one: ", ".join(one.lines)),
             ),
             name="export",

@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 from places import DOCS, ROOT
 
 from budget.model.sources import SOURCES
-from budget.studies.export.targets import NAMES
+from budget.studies.export.template import targets
 
 PROBLEMS = re.findall(
     r"```python\n(.*?)```",
@@ -226,7 +226,7 @@ def test_every_capability_names_its_oracle_and_the_test():
         assert [path for path in found if not (ROOT / path).is_file()] == []
         named |= set(re.findall("`([^`]+)`", what))
     assert {source.name for source in SOURCES} <= named
-    assert set(NAMES) <= named
+    assert set(targets()) <= named
 
 
 def test_the_index_leads_to_every_page():

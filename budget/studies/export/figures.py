@@ -12,7 +12,7 @@ root sum square of the lines that shift a parameter; or what a calibration leave
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,6 +46,10 @@ class Figure:
         Lines of the data sheet that it is made of.
     steps : tuple of str
         Where it is from and how it is made, for people.
+    power : int
+        Of a standard deviation in it: what multiplies one acts so often.
+    kind : str
+        Whose figure it is; '' until it is asked for.
     """
 
     value: Array
@@ -53,6 +57,13 @@ class Figure:
     symbol: str
     lines: tuple[str, ...]
     steps: tuple[str, ...]
+    power: int = 1
+    kind: str = ""
+
+    @property
+    def names(self) -> tuple[Name, ...]:
+        """The full names of its lines."""
+        return tuple(Name(line, owner=self.kind) for line in self.lines)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +72,8 @@ class Missing:
 
     needs: str  # 'gyro.bias_stability'
     why: str = "not given"
+    axes: tuple[str, ...] = AXES
+    kind: str = ""  # as of a figure
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,8 +103,13 @@ class Known:
     def figure(self, quantity: str) -> Figure | Missing:
         """Return one of QUANTITIES."""
         if quantity not in self._found:
-            self._found[quantity] = QUANTITIES[quantity](self)
+            found = QUANTITIES[quantity](self)
+            self._found[quantity] = replace(found, kind=self.sensor.kind)
         return self._found[quantity]
+
+    def __getitem__(self, quantity: str) -> Figure | Missing:
+        """Return what a template calls `gyro.noise`."""
+        return self.figure(quantity)
 
     def name(self, line: str) -> Name:
         """Return the full name of a line."""
@@ -213,7 +231,7 @@ def _time(known: Known) -> Figure | Missing:
         value = np.full(len(AXES), CORRELATION_TIME)
         said = f"assumed, as {name} is flicker noise, which has none"
     said = f"T = {print_values(value)} s, {said}"
-    return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,))
+    return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,), power=0)
 
 
 def _drift(known: Known) -> Figure | Missing:
@@ -278,7 +296,8 @@ def _memory(known: Known) -> Figure | Missing:
     longest = float(np.max(time.value))
     phi = np.exp(-1.0 / (known.rate * np.full(len(AXES), longest)))
     said = f"phi = exp(-1/(f T)) = {print_number(float(phi[0]))}"
-    return Figure(value=phi, symbol="phi", lines=time.lines, steps=(*time.steps, said))
+    steps = (*time.steps, said)
+    return Figure(value=phi, symbol="phi", lines=time.lines, steps=steps, power=0)
 
 
 def _step(known: Known) -> Figure | Missing:
@@ -321,9 +340,8 @@ def _constant(parameter: str, expected: str) -> Callable[[Known], Figure | Missi
             )
         lacks = dict.fromkeys(name for one in names for name in rows[one].lacks)
         if lacks:
-            return Missing(
-                needs=", ".join(lacks), why="not given, and would add to what is left"
-            )
+            why = "not given, and would add to what is left"
+            return Missing(needs=", ".join(lacks), why=why, axes=axes)
         value = np.array([rows[name].standard_uncertainty for name in names])
         first = rows[names[int(np.argmax(value))]].ranked[0]
         said = (
@@ -347,7 +365,7 @@ def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
         if isinstance(effect, Offset) and effect.target == parameter
     ]
     if expected not in {line.name for line in lines}:
-        return Missing(needs=known.name(expected))
+        return Missing(needs=known.name(expected), axes=PARAMETERS[parameter])
     value = np.sqrt(np.sum([line.u**2 for line in lines], axis=0))
     steps = [origin(known, line) for line in lines]
     sum_ = "" if len(lines) == 1 else ", root sum square"

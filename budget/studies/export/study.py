@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
-from math import isfinite, ulp
+from math import isfinite
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -23,20 +23,11 @@ from budget.results import (
 )
 from budget.spec import load_devices, load_procedure
 from budget.studies.analysis import analyze
-from budget.studies.export.figures import Figure, Known, Missing, print_number
-from budget.studies.export.targets import (
-    LEAVE_OUT,
-    NAMES,
-    ONE,
-    REFUSE,
-    TARGETS,
-    Entry,
-    Target,
-)
+from budget.studies.export.figures import Figure, Known, print_number
+from budget.studies.export.template import fill_in, find_target
 from budget.studies.missing import REFUSE as REFUSE_MISSING
 from budget.studies.missing import fill
 from budget.studies.request import sensors_of
-from budget.ties import settle
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -45,47 +36,13 @@ if TYPE_CHECKING:
     from budget.results import Budget
     from budget.spec.files import File
     from budget.spec.records import Device, Procedure, Sensor
+    from budget.studies.export.template import Exported, Target
 
 # What a calibration finds, of the figures that targets hold.
 CALIBRATED = {"bias", "total_bias", "scale_factor", "mounting_angle"}
 REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
 LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
 LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
-ROUNDING = 4.0  # of a few conversions [units in the last place]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Exported:
-    """One key of the target with its value.
-
-    Attributes
-    ----------
-    entry : Entry
-    values : tuple of float
-        In the unit of the entry, by its axes.
-    steps : tuple of str
-        Where the value is from, and how it is made.
-    lines : tuple of Name
-        Lines of the data sheet in it.
-    """
-
-    entry: Entry
-    values: tuple[float, ...]
-    steps: tuple[str, ...]
-    lines: tuple[Name, ...] = ()
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield a record for each axis."""
-        for axis, value in zip(self.entry.axes, self.values, strict=True):
-            yield {
-                "key": self.entry.key,
-                "sensor": self.entry.owner,
-                "axis": axis,
-                "value": value,
-                "unit": self.entry.unit,
-                "from": list(self.lines),
-                "steps": list(self.steps),
-            }
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -98,8 +55,8 @@ class Export(Tabled):
         Keys whose figure is not known, and what they are without it.
     not_held : tuple of str
         Lines of the data sheet that the target has no place for.
-    gravity : float
-        Magnitude, for targets that ask for it [m/s^2].
+    body : str
+        The file but for its comments (budget.studies.export.template).
     """
 
     target: Target
@@ -115,7 +72,7 @@ class Export(Tabled):
     rate: float | None  # [Hz]
     inflate: float  # [1]
     procedure: str  # whose residual it is; '' of the raw figures
-    gravity: float
+    body: str
 
     def to_text(self) -> str:
         """Return the file that the target reads."""
@@ -150,20 +107,6 @@ class Export(Tabled):
             "assumptions": list(self.assumptions),
             "warnings": list(self.warnings),
         }
-
-
-def find_target(name: str) -> Target:
-    """Return the target of that name.
-
-    Raises
-    ------
-    CallError
-        There is none.
-    """
-    for target in TARGETS:
-        if target.name == name:
-            return target
-    raise CallError(f"{name!r} is no target; there are: {', '.join(NAMES)}")
 
 
 def export(
@@ -224,7 +167,7 @@ def export(
     left: Budget | None = None
     how: Procedure | None = None
     if residual:
-        if not CALIBRATED & {entry.quantity for entry in target.entries}:
+        if not CALIBRATED & target.quantities:
             raise CallError(
                 f"--residual changes no key of {target.title}, which takes noise alone "
                 "and nothing that a calibration finds; leave the option out"
@@ -236,7 +179,10 @@ def export(
         kind: Known(sensor=sensor, rate=rate, left=left, procedure=name, filled=told)
         for kind, sensor in sensors.items()
     }
-    entries, left_out = _entries(target, known, inflate=inflate, rate=rate)
+    gravity = how.gravity if how else STANDARD_GRAVITY
+    filled_in = fill_in(target, known, inflate=inflate, rate=rate, gravity=gravity)
+    filled_in.check()
+    entries = tuple(filled_in.entries.values())
     held = {line for one in entries for line in one.lines}
     said = {one.said for device in imus for one in device.origin.changes}
     said |= {
@@ -260,7 +206,7 @@ def export(
         title=" and ".join(dict.fromkeys(one.device for one in sensors.values())),
         inputs=input_files(imus, procedure=how if residual else None),
         entries=entries,
-        left_out=left_out,
+        left_out=tuple(filled_in.left_out.values()),
         not_held=tuple(_not_held(sensors, held | told.keys())),
         notes=(*target.notes, *_notes(target, known, entries)),
         assumptions=assumptions if left is None else _all(assumptions, left),
@@ -269,7 +215,7 @@ def export(
         rate=rate,
         inflate=inflate,
         procedure=name,
-        gravity=how.gravity if residual and how else STANDARD_GRAVITY,
+        body=filled_in.text,
     )
 
 
@@ -297,90 +243,6 @@ def _check(target: Target, *, inflate: float, rate: float | None) -> None:
             f"{target.title} counts by the sample, and no sampling rate is given; give "
             "that of the readings it gets, as --rate 200"
         )
-
-
-def _entries(
-    target: Target,
-    known: Mapping[str, Known],
-    *,
-    inflate: float,
-    rate: float | None,
-) -> tuple[tuple[Exported, ...], tuple[str, ...]]:
-    """Return the keys with their values, and what is said of those without.
-
-    Raises
-    ------
-    CallError
-        A figure that the target must have is not known.
-    """
-    done: list[Exported] = []
-    left_out: list[str] = []
-    missing: dict[str, list[str]] = {}
-    for entry in target.entries:
-        figure = known[entry.owner].figure(entry.quantity)
-        if isinstance(figure, Figure) and entry.above_zero and not figure.value.any():
-            needs = ", ".join(Name(line, owner=entry.owner) for line in figure.lines)
-            figure = Missing(needs=f"{needs} above 0", why="it is 0")
-        if isinstance(figure, Figure):
-            done.append(_exported(entry, figure, inflate=inflate, rate=rate))
-            continue
-        said = f"{figure.needs}: {figure.why}"
-        if entry.absent == REFUSE:
-            missing.setdefault(said, []).append(entry.key)
-        elif entry.absent == LEAVE_OUT:
-            left_out.append(f"{entry.key} is left out: it needs {said}")
-        else:
-            zeros = tuple(0.0 for _ in entry.axes)
-            steps = (f"0, which leaves it out: it needs {said}",)
-            done.append(Exported(entry=entry, values=zeros, steps=steps))
-            left_out.append(f"{entry.key} is {steps[0]}")
-    if missing:
-        faults = "\n".join(
-            f"{', '.join(keys)}: needs {said}" for said, keys in missing.items()
-        )
-        raise CallError(
-            f"{target.title} cannot do without figures that are missing; give the "
-            "lines in the device file or with --set, let --missing put others in "
-            "their place, or choose another target\n"
-            f"{faults}"
-        )
-    return tuple(done), tuple(left_out)
-
-
-def _exported(
-    entry: Entry, figure: Figure, *, inflate: float, rate: float | None
-) -> Exported:
-    """Return a key with its values, from the figure that it holds."""
-    by_axis = dict(zip(figure.axes, figure.value.tolist(), strict=True))
-    steps = list(figure.steps)
-    if entry.axes == ONE:
-        chosen = [max(by_axis.values())]
-        if len(set(by_axis.values())) > 1:
-            steps.append(f"one for all axes, the largest: {print_number(chosen[0])}")
-    else:
-        chosen = [by_axis[axis] for axis in entry.axes]
-    form = entry.form
-    factor = inflate**form.power
-    if form.formula:
-        at = f" at f = {print_number(rate)} Hz" if form.by_sample and rate else ""
-        steps.append(f"{form.formula.format(v=figure.symbol)}{at}")
-    if inflate != 1.0 and form.power:
-        steps.append(f"times {print_number(factor)} (inflated)")
-    values = tuple(
-        _plain(factor * form.value(value, rate or 1.0) / entry.size) for value in chosen
-    )
-    return Exported(
-        entry=entry,
-        values=values,
-        steps=tuple(steps),
-        lines=tuple(Name(line, owner=entry.owner) for line in figure.lines),
-    )
-
-
-def _plain(value: float) -> float:
-    """Return the short number that a value is but for the rounding of doubles."""
-    short = settle(value)
-    return short if abs(short - value) <= ROUNDING * ulp(value) else value
 
 
 def _not_held(sensors: Mapping[str, Sensor], held: set[Name]) -> Iterator[str]:

@@ -14,8 +14,8 @@ from saying import assert_says
 
 from budget import analyze, load_device, load_procedure
 from budget.errors import CallError
-from budget.studies.export.study import export, find_target
-from budget.studies.export.targets import NAMES, TARGETS
+from budget.studies.export.study import export
+from budget.studies.export.template import find_target, keys_of, targets
 from budget.studies.missing import fill
 
 D2R = pi / 180.0
@@ -73,7 +73,7 @@ def test_a_floor_of_the_allan_curve_is_exported_as_a_process_of_300_s(tmp_path):
 def values(found):
     """Return the values of an export by key, one where all axes are equal."""
     return {
-        one.entry.key: one.values[0] if len(set(one.values)) == 1 else one.values
+        one.key: one.values[0] if len(set(one.values)) == 1 else one.values
         for one in found.entries
     }
 
@@ -156,7 +156,7 @@ HG4930 = {
 HG4930["openvins"] = HG4930["kalibr"]
 
 
-@pytest.mark.parametrize("to", NAMES)
+@pytest.mark.parametrize("to", targets())
 def test_values_of_a_published_sheet_by_hand(to):
     """Each target's figures of the HG4930 are those that its units ask for."""
     found = values(export(load_device("hg4930#A"), to=to, rate=RATE))
@@ -272,7 +272,7 @@ def test_a_walk_and_a_process_drift_as_their_root_sum_square(tmp_path):
     found = [values(one)["gyroscope_random_walk"] for one in (both, alone)]
     assert_allclose(found, [np.hypot(K, proxy), proxy], rtol=1e-12)
     for one in (both, alone):
-        (row,) = (e for e in one.entries if e.entry.key == "gyroscope_random_walk")
+        (row,) = (e for e in one.entries if e.key == "gyroscope_random_walk")
         assert_says(" ".join(row.steps), "proxy", "T = 200 s")
         assert_says(" ".join(one.notes), "proxy")
 
@@ -284,7 +284,7 @@ def test_a_walk_alone_is_no_proxy(tmp_path):
     )
     text = text.replace("1 deg/h, correlation_time: 200 s}", "1 deg/h}")
     found = export(device(tmp_path, text), to="kalibr", rate=RATE)
-    (row,) = (e for e in found.entries if e.entry.key == "gyroscope_random_walk")
+    (row,) = (e for e in found.entries if e.key == "gyroscope_random_walk")
     assert_allclose(row.values, 0.6 * D2R / 3600.0 / 60.0, rtol=1e-12)
     assert "proxy" not in " ".join(row.steps)
     assert any("gyro.flicker" in text for text in found.not_held)
@@ -306,15 +306,14 @@ def test_noise_of_a_sample_spreads_over_the_rate():
 def test_each_axis_stands_where_the_target_has_it(tmp_path):
     """Angles in the order of PSINS' matrix, axes in theirs; of one for all the most."""
     unit = device(tmp_path, WHOLE)
-    psins = {one.entry.key: one.values for one in export(unit, to="psins").entries}
+    psins = {one.key: one.values for one in export(unit, to="psins").entries}
     assert_allclose(psins["dKGij"], [4, 6, 5, 2, 1, 3], rtol=1e-12)
     assert_allclose(psins["eb"], [1, 2, 3], rtol=1e-12)
     assert_allclose(psins["dKGii"], 50.0, rtol=1e-12)  # 30 and 40 ppm
     # 20e-6 of g/g^2, so over g; and PSINS' ug/g^2 is 1e-6 over its own g.
     assert_allclose(psins["KA2"], 20.0 / 9.80665 * 9.7803267714, rtol=1e-12)
     matlab = {
-        one.entry.key: one.values
-        for one in export(unit, to="matlab", rate=RATE).entries
+        one.key: one.values for one in export(unit, to="matlab", rate=RATE).entries
     }
     assert_allclose(
         np.array(matlab["gyro_Mounting"]) / D2R * 3600, range(1, 7), rtol=1e-9
@@ -325,19 +324,19 @@ def test_each_axis_stands_where_the_target_has_it(tmp_path):
         "z: 2 deg/sqrt(h)}}",
     )
     found = export(device(tmp_path, text), to="kalibr", rate=RATE)
-    (row,) = (e for e in found.entries if e.entry.key == "gyroscope_noise_density")
+    (row,) = (e for e in found.entries if e.key == "gyroscope_noise_density")
     assert_allclose(row.values, [3.0 * D2R / 60.0], rtol=1e-12)
     assert_says(" ".join(row.steps), "largest")
 
 
-@pytest.mark.parametrize("to", NAMES)
+@pytest.mark.parametrize("to", targets())
 def test_inflation_multiplies_what_is_a_deviation(to, tmp_path):
     """Deviations and densities by 3, variances by 9, times not at all."""
     unit = device(tmp_path, WHOLE)
     plain = export(unit, to=to, rate=RATE)
     more = export(unit, to=to, rate=RATE, inflate=3.0)
     for one, other in zip(plain.entries, more.entries, strict=True):
-        key = one.entry.key
+        key = one.key
         timed = "corr" in key.lower() or "Tau" in key or "Memory" in key
         power = 0 if timed else 2 if "covariance" in key else 1
         assert_allclose(other.values, np.array(one.values) * 3.0**power, rtol=1e-12)
@@ -351,10 +350,10 @@ def test_a_residual_is_the_budget_of_the_next_turn_on(tmp_path):
     unit = device(tmp_path, WHOLE)
     how = load_procedure("twelve-positions")
     left = {
-        one.entry.key: one.values
+        one.key: one.values
         for one in export(unit, to="psins", procedure=how, residual=True).entries
     }
-    raw = {one.entry.key: one.values for one in export(unit, to="psins").entries}
+    raw = {one.key: one.values for one in export(unit, to="psins").entries}
     budget = analyze(unit, procedure=how, reference="next_turn_on", validate=False)
 
     def u(name, size):
@@ -375,8 +374,8 @@ def test_what_a_procedure_does_not_find_stays_raw_and_says_so(tmp_path):
     how = load_procedure("six-positions")
     found = export(unit, to="psins", procedure=how, residual=True)
     raw = export(unit, to="psins")
-    rows = {one.entry.key: one for one in found.entries}
-    (same,) = (one for one in raw.entries if one.entry.key == "dKGii")
+    rows = {one.key: one for one in found.entries}
+    (same,) = (one for one in raw.entries if one.key == "dKGii")
     assert rows["dKGii"].values == same.values
     assert_says(" ".join(rows["dKGii"].steps), how.name, "raw")
 
@@ -447,7 +446,7 @@ def test_what_stands_for_a_missing_line_is_told(mode):
             export(unit, to="gtsam", missing=mode, catalogue=catalogue())
         return
     found = export(unit, to="gtsam", missing=mode, catalogue=catalogue())
-    (row,) = (e for e in found.entries if e.entry.key == "accelerometer_covariance")
+    (row,) = (e for e in found.entries if e.key == "accelerometer_covariance")
     assert_allclose(
         np.sqrt(row.values),
         filled.accelerometer.line(line.source.quantity).u,
@@ -489,7 +488,7 @@ def test_what_a_target_cannot_hold_is_listed(tmp_path):
     """Every given line is in the file or in the list of what is not."""
     unit = device(tmp_path, WHOLE)
     given = {f"{one.kind}.{line.name}" for one in unit.sensors for line in one.lines}
-    for to in NAMES:
+    for to in targets():
         found = export(unit, to=to, rate=RATE)
         held = {str(line) for one in found.entries for line in one.lines}
         lost = {text.partition(": ")[0] for text in found.not_held}
@@ -526,15 +525,14 @@ def test_half_an_imu_is_refused(tmp_path):
 
 def test_every_target_says_where_its_keys_were_read():
     """No target without a source; keys are unique within it."""
-    for target in TARGETS:
+    for name, target in targets().items():
         assert target.sources
         assert all("http" in text or "the same" in text for text in target.sources)
-        keys = [entry.key for entry in target.entries]
-        assert len(set(keys)) == len(keys)
-        assert find_target(target.name) is target
+        assert keys_of(target)
+        assert find_target(name) is target
 
 
-@pytest.mark.parametrize("to", NAMES)
+@pytest.mark.parametrize("to", targets())
 @pytest.mark.parametrize("time", ["1e-9 s", "1e9 s"])
 def test_processes_of_any_speed_are_exported_without_a_warning(to, time, tmp_path):
     """Nothing is left of a fast one after a sample, and each step is sigma."""
