@@ -37,6 +37,7 @@ from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.page import SCRIPTS, script_messages
+from budget.report.pages import messages
 from budget.report.wording import say_words
 from budget.resources import shipped
 from budget.studies.paper.printed import load_paper
@@ -92,6 +93,10 @@ def every_message():
         re.findall(r'say\("([^"]*)"', page),
         paper_messages(),
         *(script_messages(shipped_template(name)) for name in SCRIPTS),
+        *(
+            messages(path.read_text(encoding="utf-8"))
+            for path in shipped("templates", "pages").iterdir()
+        ),
     )
 
 

@@ -1,0 +1,395 @@
+"""Sections of blocks from templates/pages: Markdown with Jinja2, for every medium.
+
+A page is a template that is given values and prints Markdown, which becomes the blocks
+that terminal, HTML and PDF show. What it may write:
+
+    ## Title {:name}                    a section; `{:name first}` is of page one,
+                                        `{:name page}` of pages, not of a terminal
+    ### Title                           a panel of it, up to the next heading
+    Words **bold** {{ u|number(3) }}    a paragraph, a number with its exact value
+    > Words                             a small paragraph
+    - point   1. point                  listings
+    Table: caption {:name wide}         what the table below it shows
+    | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
+    |---|--:|:-:|                       head `?` for one that goes where nothing stands
+    | = title |                         in it, `{1.4}` for its weight; a group of rows
+    {{ block(x) }}                      a block that is made elsewhere: a figure
+
+Sentences stand in `{% trans %}`, whole, with their values as named parts. No value is
+read as Markdown, whatever stands in it. Filters round and write values; a template
+has no access to anything else.
+"""
+
+from __future__ import annotations
+
+import re
+from contextvars import ContextVar
+from functools import cache
+from itertools import groupby
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from budget.language import template
+from budget.report.blocks import (
+    Cell,
+    Column,
+    Listing,
+    Panel,
+    Paragraph,
+    RowGroup,
+    Run,
+    Section,
+    Table,
+)
+from budget.report.writing import (
+    BAR,
+    BENEATH,
+    END,
+    EXACT,
+    FILTERS,
+    OBJECT,
+    OF,
+    Marked,
+    marked,
+    shown,
+)
+from budget.resources import shipped
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+
+    from jinja2.sandbox import SandboxedEnvironment
+    from markdown_it import MarkdownIt
+    from markdown_it.tree import SyntaxTreeNode
+
+    from budget.report.blocks import Block
+
+FOLDER, SUFFIX = "pages", ".md.j2"
+_MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
+_NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
+_HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w.]+)\})?$", re.DOTALL)
+_PARTS = re.compile(r"%\((\w+)\)s|%%")
+_PLACES = re.compile(r"\{(\w+)\}")
+KINDS = {"right": "number", "center": "unit"}
+_TAG = re.compile(r"\{%.*?%\}")
+TABLE = "Table: "
+_objects: ContextVar[list[Block]] = ContextVar("objects")
+
+
+def sections(page: str, /, **view: object) -> tuple[Section, ...]:
+    """Return the sections of a page, filled in with values, in the language spoken."""
+    objects: list[Block] = []
+    token = _objects.set(objects)
+    try:
+        text = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}").render(view)
+    finally:
+        _objects.reset(token)
+    return tuple(_sections(_tree(text).children, objects))
+
+
+# ---- Markdown to blocks --------------------------------------------------------------
+
+
+@cache
+def _reader() -> MarkdownIt:
+    """Return what reads the Markdown of a page, and nothing else of Markdown."""
+    from markdown_it import MarkdownIt
+
+    rules = ("heading", "list", "blockquote", "table", "emphasis", "escape", "newline")
+    return MarkdownIt("zero").enable(rules)
+
+
+def _tree(text: str) -> SyntaxTreeNode:
+    """Read a page."""
+    from markdown_it.tree import SyntaxTreeNode
+
+    return SyntaxTreeNode(_reader().parse(text))
+
+
+def _sections(
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+) -> Iterator[Section]:
+    """Yield the sections that headings of the second level begin."""
+    for title, own in _under("h2", nodes):
+        said, name, how = _named(title)
+        yield Section(
+            name=name,
+            title=said,
+            blocks=tuple(_panels(own, objects)),
+            on_first_page="first" in how,
+            in_brief="" if "page" in how else None,
+        )
+
+
+def _panels(
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+) -> Iterator[Block]:
+    """Yield blocks, those below a heading of the third level in a panel."""
+    for title, own in _under("h3", nodes):
+        blocks = tuple(_blocks(own, objects))
+        if title is None:
+            yield from blocks
+        else:
+            yield Panel(title=_text(title), blocks=blocks)
+
+
+def _under(
+    tag: str, nodes: Sequence[SyntaxTreeNode]
+) -> Iterator[tuple[SyntaxTreeNode | None, Sequence[SyntaxTreeNode]]]:
+    """Part nodes at headings: what stands before the first one has none."""
+    heads = [place for place, node in enumerate(nodes) if node.tag == tag]
+    for start, end in zip([-1, *heads], [*heads, len(nodes)], strict=True):
+        if start >= 0 or end > 0:
+            yield (nodes[start] if start >= 0 else None), nodes[start + 1 : end]
+
+
+def _blocks(
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+) -> Iterator[Block]:
+    """Yield the block of each node; a caption is of the table below it."""
+    caption: SyntaxTreeNode | None = None
+    for node in nodes:
+        match node.type:
+            case "paragraph" if _text(node).startswith(TABLE):
+                caption = node
+            case "paragraph":
+                words = _words(node)
+                if len(words) == 1 and isinstance(words[0], int):
+                    yield objects[words[0]]
+                else:
+                    yield Paragraph(words=words)
+            case "blockquote":
+                for one in node.children:
+                    yield Paragraph(words=_words(one), small=True)
+            case "bullet_list" | "ordered_list":
+                yield Listing(
+                    items=tuple(_words(one.children[0]) for one in node.children),
+                    empty="",
+                    numbered=node.type == "ordered_list",
+                )
+            case "table":
+                yield _table(node, caption)
+
+
+def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
+    """Return a table with its caption, columns and groups of rows."""
+    said, name, how = _named(caption)
+    (head,) = node.children[0].children
+    columns, optional = zip(*map(_column, head.children), strict=True)
+    groups: list[tuple[str, list[tuple[Cell, ...]]]] = [("", [])]
+    for row in node.children[1].children if len(node.children) > 1 else ():
+        cells = tuple(map(_cell, row.children))
+        if cells[0].text.startswith("="):
+            groups.append((cells[0].text.removeprefix("=").strip(), []))
+        else:
+            groups[-1][1].append(cells)
+    groups = [(title, rows) for title, rows in groups if rows]
+    kept = [
+        place
+        for place, may_go in enumerate(optional)
+        if not may_go or any(row[place].text for _, rows in groups for row in rows)
+    ]
+    return Table(
+        name=name,
+        caption=said.removeprefix(TABLE),
+        columns=tuple(columns[place] for place in kept),
+        groups=tuple(
+            RowGroup(title=t, rows=tuple(tuple(row[k] for k in kept) for row in rows))
+            for t, rows in groups
+        ),
+        is_wide="wide" in how,
+        searchable="searchable" in how,
+        for_pen="pen" in how,
+    )
+
+
+def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
+    """Return a column, and whether it goes where nothing stands in it."""
+    found = _HEAD.match(_text(node))
+    text, mark, more = found.groups() if found else ("", None, None)
+    align = str(node.attrs.get("style", "")).removeprefix("text-align:")
+    kind = KINDS.get(align, "text")
+    if more and not more[0].isdigit():
+        return Column(head=text, kind=more), bool(mark)
+    return Column(head=text, kind=kind, weight=float(more or 1.0)), bool(mark)
+
+
+def _cell(node: SyntaxTreeNode) -> Cell:
+    """Return a cell: its text, what it is exactly, bar and remark."""
+    text, exact, share, note, strong = "", None, None, "", False
+    for word in _words(node):
+        if isinstance(word, tuple):
+            kind, value = word
+            if kind == BAR:
+                share = float(value)
+            else:
+                note += value
+        elif isinstance(word, Run):
+            text += word.text
+            strong |= word.strong
+            exact = word.exact if word.exact is not None else exact
+        else:
+            text += str(word)
+    return Cell(
+        text=text.strip(), exact=exact, share=share, strong=strong, note=note.strip()
+    )
+
+
+def _named(node: SyntaxTreeNode | None) -> tuple[str, str, set[str]]:
+    """Return a title or caption, its name and what else stands in its braces."""
+    text = "" if node is None else _text(node)
+    found = _NAMED.search(text)
+    if found is None:
+        return text, "", set()
+    return text[: found.start()], found[1], set(found[2].split())
+
+
+def _text(node: SyntaxTreeNode) -> str:
+    """Return the text of a heading or a head."""
+    return "".join(
+        word if isinstance(word, str) else getattr(word, "text", "")
+        for word in _words(node)
+    )
+
+
+def _words(node: SyntaxTreeNode) -> Any:  # noqa: ANN401 - words, and marks of cells
+    """Return the words of a node; numbers and bold ones as runs, marks as they are."""
+    found: list[Any] = []
+    for text, strong in _inline(node):
+        at = 0
+        for mark in _MARK.finditer(text):
+            _add(found, text[at : mark.start()], strong=strong)
+            kind, value = mark[1], mark[2]
+            if kind == OBJECT:
+                found.append(int(value))
+            elif kind == EXACT:
+                exact, _, said = value.partition(OF)
+                run = Run(text=shown(said), strong=strong, exact=float(exact))
+                found.append(run)
+            else:
+                found.append((kind, shown(value)))
+            at = mark.end()
+        _add(found, text[at:], strong=strong)
+    return tuple(found)
+
+
+def _add(found: list[Any], text: str, *, strong: bool) -> None:
+    """Add words to those before; plain ones run on."""
+    said = shown(re.sub("[ \n]+", " ", text))
+    if strong and said:
+        found.append(Run(text=said, strong=True))
+    elif said and found and isinstance(found[-1], str):
+        found[-1] += said
+    elif said:
+        found.append(said)
+
+
+def _inline(
+    node: SyntaxTreeNode, *, strong: bool = False
+) -> Iterator[tuple[str, bool]]:
+    """Yield the texts of a node, and whether each is bold."""
+    for child in node.children:
+        if child.type == "text":
+            yield child.content, strong
+        elif child.type in {"softbreak", "hardbreak"}:
+            yield " ", strong
+        else:
+            yield from _inline(child, strong=strong or child.type == "strong")
+
+
+# ---- values to Markdown --------------------------------------------------------------
+
+
+@cache
+def _environment() -> SandboxedEnvironment:
+    """Return what fills templates in: no value is Markdown, none may be missing."""
+    from jinja2 import FileSystemLoader, StrictUndefined
+    from jinja2.ext import Extension
+    from jinja2.sandbox import SandboxedEnvironment
+
+    class Lines(Extension):
+        """A line of tags alone is no line of the page; any other keeps its end."""
+
+        def preprocess(self, source: str, *_: object) -> str:
+            return "\n".join(map(_ended, source.split("\n")))
+
+    environment = SandboxedEnvironment(
+        loader=FileSystemLoader(shipped("templates")),
+        undefined=StrictUndefined,
+        autoescape=True,
+        finalize=marked,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        extensions=["jinja2.ext.i18n", Lines],
+    )
+    environment.policies["ext.i18n.trimmed"] = True
+    environment.newstyle_gettext = True  # type: ignore[attr-defined]
+    environment.globals |= {"gettext": _said, "ngettext": _counted, "block": _block}
+    environment.filters |= {**FILTERS, "runs": _runs, "by": _by}
+    return environment
+
+
+def _ended(line: str) -> str:
+    """Keep the end of a line that has words in it or after which a sentence ends."""
+    has_words = _TAG.sub("", line).strip() or "endtrans" in line
+    is_open = line.endswith("%}") and line[-3] not in "-+"
+    return f"{line[:-2]}+%}}" if has_words and is_open else line
+
+
+def messages(source: str) -> set[str]:
+    """Return the sentences of a template, as the catalogue of a language has them."""
+    found = _environment().extract_translations(source)  # type: ignore[attr-defined]
+    texts = [
+        text
+        for _, _, one in found
+        for text in ((one,) if isinstance(one, str) else one)
+    ]
+    return {_key(text) for text in texts if text}
+
+
+def _key(message: str) -> str:
+    """Return what the catalogue calls a sentence: parts in braces."""
+    return _PARTS.sub(lambda one: f"{{{one[1]}}}" if one[1] else "%", message)
+
+
+def _said(message: str, **parts: object) -> Marked:
+    """Say a sentence of a template in the language spoken; its parts are values.
+
+    What a template has made of them has no blanks around it.
+    """
+    said = template(_key(message))
+    return Marked(_PLACES.sub(lambda one: _part(parts[one[1]]), said))
+
+
+def _part(value: object) -> str:
+    """Return a part of a sentence."""
+    return marked(value).strip() if isinstance(value, Marked) else marked(value)
+
+
+def _counted(one: str, many: str, number: int, **parts: object) -> Marked:
+    """Say the sentence for one thing, or that for another number of them."""
+    return _said(one if number == 1 else many, **parts)
+
+
+def _block(value: Block) -> Marked:
+    """Put a block that is made elsewhere into the page."""
+    _objects.get().append(value)
+    return Marked(f"{OBJECT}{len(_objects.get()) - 1}{END}")
+
+
+def _runs(
+    records: Iterable[Any], by: str | Callable[[Any], object]
+) -> Iterator[tuple[object, list[Any]]]:
+    """Yield runs of records that have something in common, with what it is."""
+    key = attrgetter(by) if isinstance(by, str) else by
+    for common, own in groupby(records, key):
+        yield common, list(own)
+
+
+def _by(records: Iterable[Any], by: str) -> list[tuple[object, list[Any]]]:
+    """Return records that have something in common together, in order of the first."""
+    key = attrgetter(by)
+    found: dict[object, list[Any]] = {}
+    for one in records:
+        found.setdefault(key(one), []).append(one)
+    return list(found.items())

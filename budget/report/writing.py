@@ -1,0 +1,115 @@
+"""How values are written on pages: what keeps them from Markdown, and the filters."""
+
+from __future__ import annotations
+
+import string
+from math import isnan
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from budget.language import Note, key_title, say, words
+from budget.report.allocation.words import DASH, DIGITS, print_stop
+from budget.report.tables import (
+    join_outputs,
+    print_coverage,
+    print_given,
+    print_three,
+    print_utilisation,
+    source_title,
+)
+from budget.report.wording import VERDICTS, capital, listed, standing_lines
+from budget.ties import settle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping
+
+
+# Marks of what a value is, in characters of private use; none of them is Markdown.
+EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
+# Characters that Markdown may read, in a value: somewhere else while it is read.
+_PLANE = 0xF0000
+_HIDDEN = {ord(one): _PLANE + ord(one) for one in f"{string.punctuation}\n"}
+_SHOWN = {there: here for here, there in _HIDDEN.items()}
+
+
+class Marked(Markup):
+    """Text of a page as it stands, marks in it; any other text is a value.
+
+    Markup is what Jinja2 leaves as it is; nothing here is HTML.
+    """
+
+    __slots__ = ()
+
+
+def marked(value: object) -> Marked:
+    """Return a value as text that Markdown leaves alone; a note is said."""
+    if isinstance(value, Markup):
+        return Marked(value)
+    text = say(value) if isinstance(value, Note) else str(value)
+    return Marked(text.translate(_HIDDEN))
+
+
+def exact(text: str, value: float | None) -> Marked:
+    """Return a number in a text, or in a cell, with its exact value."""
+    if value is None or isnan(value):
+        return marked(text)
+    return Marked(f"{EXACT}{float(value)!r}{OF}{marked(text)}{END}")
+
+
+def number(value: float, digits: int = 3) -> Marked:
+    """Print a number that is given, to so many digits, with its exact value."""
+    return exact(print_given(value, digits=digits), value)
+
+
+def strong(text: object, is_strong: object = True) -> Marked:  # noqa: FBT002 - a filter
+    """Write text in bold, where it is to be."""
+    return Marked(f"**{marked(text)}**") if is_strong else marked(text)
+
+
+def beneath(text: object) -> Marked:
+    """Return the second, small line of a cell."""
+    return Marked(f"{BENEATH}{marked(text)}{END}")
+
+
+def bar(text: object, share: float) -> Marked:
+    """Return a cell with a bar behind it that fills a share of it."""
+    return Marked(f"{marked(text)}{BAR}{share!r}{END}")
+
+
+def shown(text: str) -> str:
+    """Return a value as it was."""
+    return text.translate(_SHOWN)
+
+
+def _commas(texts: Iterable[str]) -> str:
+    """Put texts in a row."""
+    return say(", ").join(texts)
+
+
+FILTERS: Mapping[str, Callable[..., object]] = {
+    "number": number,
+    "exact": exact,
+    "beneath": beneath,
+    "bar": bar,
+    "strong": strong,
+    "capital": capital,
+    "commas": _commas,
+    "listed": lambda texts: listed(list(texts)),
+    "said": say,
+    "words": words,
+    "key": key_title,
+    "line": source_title,
+    "outputs": join_outputs,
+    "verdict": lambda word: say(VERDICTS[word]),
+    "standing": standing_lines,
+    "given": lambda value, digits=3: print_given(value, digits=digits),
+    "three": print_three,
+    "coverage": print_coverage,
+    "used": print_utilisation,
+    "settle": settle,
+    "ratio": lambda value: f"{print_given(value, digits=DIGITS)}:1",
+    "of_ratio": lambda value: DASH if value is None else number(value),
+    "stop": lambda outputs: print_stop(outputs, ""),
+    "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
+}

@@ -1,0 +1,127 @@
+"""Pages from templates: what of Markdown is read, and that no value is any of it."""
+
+from __future__ import annotations
+
+import pytest
+from jinja2 import TemplateError
+
+from budget.language import speaking
+from budget.report import pages
+from budget.report.blocks import Cell, Listing, Panel, Paragraph, Run
+
+# What Markdown, HTML and Jinja2 would read.
+HOSTILE = (
+    "**bold** _x_ `code` | cell | # head\n## two {:name wide}\n- point\n1. one",
+    "<b>x</b> &amp; [a](b) ![c](d) \\* {{ found }} {% raw %} {# x #}",
+    "| = group |\n|---|\n> small\nTable: x",
+)
+
+
+@pytest.fixture
+def page(tmp_path, monkeypatch):
+    """Return what makes sections of a template that is given."""
+
+    def make(text, **view):
+        folder = tmp_path / "pages"
+        folder.mkdir(exist_ok=True)
+        (folder / "own.md.j2").write_text(text, encoding="utf-8")
+        return pages.sections("own", **view)
+
+    monkeypatch.setattr(pages, "shipped", lambda *_: tmp_path)
+    pages._environment.cache_clear()  # noqa: SLF001 - it has read the shipped folder
+    yield make
+    pages._environment.cache_clear()  # noqa: SLF001
+
+
+def test_a_page_becomes_the_blocks_that_its_marks_ask_for(page):
+    """Sections, panels, paragraphs, listings, and a number with its exact value."""
+    (one, two) = page(
+        "## One {:one first}\n\nPlain **bold** {{ 2.34567|number(2) }} deg.\n\n"
+        "> small\n\n### Part\n\n- a\n- **b**\n\n1. c\n\n## Two {:two page}\n\nEnd.\n"
+    )
+    assert (one.name, one.title, one.on_first_page, one.in_brief) == (
+        *("one", "One", True, None),
+    )
+    words, small, panel = one.blocks
+    number = Run(text="2.3", exact=2.34567)
+    run = Run(text="bold", strong=True)
+    assert words == Paragraph(words=("Plain ", run, " ", number, " deg."))
+    assert small == Paragraph(words=("small",), small=True)
+    assert isinstance(panel, Panel)
+    bold = (Run(text="b", strong=True),)
+    assert panel.blocks == (
+        Listing(items=(("a",), bold), empty=""),
+        Listing(items=(("c",),), empty="", numbered=True),
+    )
+    assert (two.in_brief, two.blocks) == ("", (Paragraph(words=("End.",)),))
+
+
+def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
+    """Kinds, weights, what goes where nothing stands in it; bars, remarks, titles."""
+    (section,) = page(
+        "## T {:t}\n\nTable: What it shows {:sizes wide}\n\n"
+        "| line{1.4} | size | unit | gone? | hash{code} |\n|---|--:|:-:|---|---|\n"
+        '| a{{ "why"|beneath }} | {{ "1.2"|exact(1.23)|strong }} | deg | | ff |\n'
+        '| = more |\n| b | {{ "9"|bar(0.5) }} | g | | 00 |\n'
+    )
+    (table,) = section.blocks
+    assert (table.name, table.caption, table.is_wide) == (
+        "sizes",
+        "What it shows",
+        True,
+    )
+    assert [(one.head, one.kind, one.weight) for one in table.columns] == [
+        *(("line", "text", 1.4), ("size", "number", 1.0)),
+        *(("unit", "unit", 1.0), ("hash", "code", 1.0)),
+    ]
+    assert [group.title for group in table.groups] == ["", "more"]
+    (first,), (second,) = (group.rows for group in table.groups)
+    assert first[:2] == (
+        Cell(text="a", note="why"),
+        Cell(text="1.2", exact=1.23, strong=True),
+    )
+    assert second[1] == Cell(text="9", share=0.5)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_value_is_markdown(page, text):
+    """Whatever a value is, it stands as it is: in words, titles, cells, sentences."""
+    (section,) = page(
+        "## {{ x }} {:t}\n\n{{ x }}\n\n- {% trans x=x %}said {{ x }}{% endtrans %}\n\n"
+        "Table: {{ x }} {:t}\n\n| {{ x }} |\n|---|\n| {{ x }}{{ x|beneath }} |\n",
+        x=text,
+    )
+    words, listing, table = section.blocks
+    assert section.title == text
+    assert words == Paragraph(words=(text,))
+    assert listing == Listing(items=((f"said {text}",),), empty="")
+    assert table.caption == table.columns[0].head == text
+    assert table.groups[0].rows == ((Cell(text=text, note=text),),)
+
+
+def test_a_block_that_is_made_elsewhere_stands_where_it_is_named(page):
+    """A figure goes through a page as it is."""
+    figure = Panel(title="a figure", blocks=())
+    (section,) = page("## T {:t}\n\nBefore\n\n{{ block(x) }}\n", x=figure)
+    assert section.blocks == (Paragraph(words=("Before",)), figure)
+
+
+def test_sentences_are_said_in_the_language_spoken(page):
+    """Whole, with their parts where that language wants them; one thing or several."""
+    text = (
+        "## T {:t}\n\n{% trans said=x %}{{ said }}.{% endtrans %}\n\n"
+        "{% trans count=n %}one{% pluralize %}{{ count }} things{% endtrans %}\n"
+    )
+    assert pages.messages(text) == {"{said}.", "one", "{count} things"}
+    with speaking("zh"):
+        (section,) = page(text, x="x", n=2)
+    assert section.blocks[0] == Paragraph(words=("x。",))
+    (section,) = page(text, x="x", n=2)
+    assert section.blocks[1] == Paragraph(words=("2 things",))
+
+
+def test_a_value_that_is_not_there_is_an_error(page):
+    """Nothing is printed in its place; a template reaches only what it is given."""
+    for text in ("{{ absent }}", "{{ x.__class__.__mro__ }}"):
+        with pytest.raises(TemplateError):
+            page(f"## T {{:t}}\n\n{text}\n", x=1)
