@@ -120,7 +120,7 @@ def test_the_run_with_the_lowest_versions_reads_the_bounds():
     (pattern,) = re.findall(r're\.sub\(r"([^"]+)"', script)
     lowest = [re.sub(pattern, r"==\1", text) for text in NEEDED]
     for text, declared in zip(lowest, NEEDED, strict=True):
-        assert re.fullmatch(r"[A-Za-z0-9.]+==[0-9.]+", text)
+        assert re.fullmatch(r"[A-Za-z0-9.-]+==[0-9.]+", text)
         assert Requirement(text).specifier != Requirement(declared).specifier
 
 
