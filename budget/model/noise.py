@@ -10,6 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from math import factorial
 from typing import TYPE_CHECKING, Protocol
 
@@ -17,6 +18,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.model.windows import Schedule
@@ -26,6 +29,9 @@ SERIES_TERMS = 20  # of the exponential series; the last one is 1/21! at x = 1
 # Windows whose rows of a covariance are made at a time: what of it is held grows with
 # the windows, not with their square. Tests of no more are made whole, and kept.
 ROWS = 128
+MOST_KINDS = 128  # of windows that count alike, pairs of which are taken together
+SUMS = 64  # roundings that a start may be off by, the sum of thousands of lengths [1]
+ALIKE = 12  # digits to which weights of windows are equal, of the largest
 
 
 class Process(Protocol):
@@ -120,8 +126,96 @@ class RandomWalk(_InRows):
         return self.density**2 * C
 
 
+class _Stationary(_InRows):
+    """A process of which two windows know no more than how far they are apart.
+
+    Thousands of windows are repetitions. With V the weights of the kinds of windows
+    that are of one length and count alike, W C W^T = V S V^T, S the sums of C over all
+    windows of two kinds: each lag between these is one element of C, which counts as
+    often as it occurs. Tests of few windows, or of many kinds, are multiplied out.
+    """
+
+    @abstractmethod
+    def between(self, a: _Span, b: _Span) -> Array:
+        """Return covariances of windows of any shape, (1, ...), or p parts (p, ...)."""
+
+    def alone(self, lengths: Array) -> Array:
+        """Return variances of windows, shape (p, n)."""
+        own = 0.0 * lengths, lengths
+        return self.between(own, own)
+
+    def rows(self, schedule: Schedule, own: slice) -> Array:
+        """Return some rows of the covariance, shape (m, n) [SI squared]."""
+        every = schedule.starts, schedule.lengths
+        (C,) = self.between((every[0][own, None], every[1][own, None]), every)
+        return np.asarray(C)
+
+    def reduce(self, schedule: Schedule, weights: Array) -> Array:
+        """Return the covariance of weighted window averages; see Process."""
+        found = self.of_kinds(schedule, weights)
+        return super().reduce(schedule, weights) if found is None else found[0]
+
+    def of_kinds(self, schedule: Schedule, weights: Array) -> Array | None:
+        """Return W C W^T by kinds, shape (p, k, k); None where it is no gain."""
+        if weights.shape[1] <= ROWS:
+            return None
+        digits = np.round(weights / (np.abs(weights).max() or 1.0), ALIKE) + 0.0
+        both = np.column_stack([schedule.lengths, digits.T])
+        _, kinds, counts = np.unique(
+            both, axis=0, return_inverse=True, return_counts=True
+        )
+        if len(counts) > MOST_KINDS:
+            return None
+        pairs, lags, times = _lags(schedule.starts.tobytes(), kinds.tobytes())
+        V = np.stack([np.bincount(kinds, row) for row in weights]) / counts
+        L = np.bincount(kinds, schedule.lengths) / counts
+        n = len(L)
+        spans = (
+            (L[pairs[own] // n], lags[own], L[pairs[own] % n])
+            for k in range(0, len(lags), ROWS**2)
+            for own in [slice(k, k + ROWS**2)]
+        )
+        parts = [self.between((0.0 * t, a), (t, b)) for a, t, b in spans]
+        C = np.concatenate(parts, axis=1) * times
+        each = [np.bincount(pairs, part, n**2).reshape(n, n) for part in C]
+        same = self.alone(L) * counts
+        S = np.stack(
+            [S + S.T + np.diag(own) for S, own in zip(each, same, strict=True)]
+        )
+        return np.asarray(V @ S @ V.T)
+
+
+_Span = tuple["Array", "Array"]  # starts and lengths of windows [s]
+
+
+@lru_cache(maxsize=16)  # of all processes and axes of a test
+def _lags(starts: bytes, kinds: bytes) -> tuple[NDArray[np.intp], Array, Array]:
+    """Return how far windows of two kinds are apart, and how often.
+
+    Each of shape (m,): the pair, n times the kind of the first in time plus that of the
+    other, of n; from start to start [s]; their number. Lags are told apart as far as
+    the clock of the windows tells times.
+    """
+    t, which = np.frombuffer(starts), np.frombuffer(kinds, dtype=np.intp)
+    own = [t[which == kind] for kind in range(which.max() + 1)]
+    tick = SUMS * np.spacing(t.max())
+    found = []
+    for pair, (first, other) in enumerate(product(own, repeat=2)):
+        parts = [
+            np.unique(after[after > 0.0], return_counts=True)
+            for k in range(0, len(first), ROWS)
+            for after in [np.rint((other - first[k : k + ROWS, None]) / tick)]
+        ]
+        every, number = map(np.concatenate, zip(*parts, strict=True))
+        lags, place = np.unique(every, return_inverse=True)
+        times = np.bincount(place, number)
+        found.append((np.full(len(lags), pair), lags * tick, times))
+    pairs, apart, counts = map(np.concatenate, zip(*found, strict=True))
+    return pairs, apart, counts
+
+
 @dataclass(frozen=True)
-class GaussMarkov:
+class GaussMarkov(_Stationary):
     """First-order Gauss-Markov process, stationary: bias stability, Zhao 2019, 2.1.1.
 
     Its autocovariance is sigma^2 exp(-|t|/tau).
@@ -130,15 +224,35 @@ class GaussMarkov:
     sigma: float  # [SI]
     correlation_time: float  # tau [s]
 
-    def covariance(self, schedule: Schedule) -> Array:
-        """Return the covariance of the averages, shape (n, n) [SI squared].
+    def between(self, a: _Span, b: _Span) -> Array:
+        """Return the covariances over sigma^2, and those minus 1; see _Stationary.
 
-        2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L/tau)) on the diagonal, sigma^2
-        tau^2/(L_a L_b) e^(-gap/tau) (1 - e^(-L_a/tau)) (1 - e^(-L_b/tau)) beside it.
+        tau^2/(L_a L_b) e^(-gap/tau) (1 - e^(-L_a/tau)) (1 - e^(-L_b/tau)). Minus 1 is
+        what is left of a process that is nearly a constant.
         """
-        n = len(schedule.windows)
-        shape = _correlation(schedule, self.correlation_time, 0, n)
-        return self.sigma**2 * shape.whole
+        tau = self.correlation_time
+        later_start = np.maximum(a[0], b[0])
+        earlier_end = np.minimum(a[0] + a[1], b[0] + b[1])
+        gap = np.maximum(later_start - earlier_end, 0.0) / tau
+        means = (_log_mean_exponential(one[1] / tau) for one in (a, b))
+        exponent = sum(means) - gap
+        return np.stack([np.exp(exponent), np.expm1(exponent)])
+
+    def alone(self, lengths: Array) -> Array:
+        """Return 2 (x - 1 + e^(-x)) / x^2, x = L/tau, and that minus 1."""
+        x = lengths / self.correlation_time
+        small, large = np.minimum(x, 1.0), np.maximum(x, 1.0)
+        series = _series(small, lambda k: 2.0 / factorial(k + 2))
+        closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
+        both = np.where(x < 1.0, [series + 1.0, series], [closed, closed - 1.0])
+        return np.asarray(both)
+
+    def covariance(self, schedule: Schedule) -> Array:
+        """Return the covariance of the averages, shape (n, n) [SI squared]."""
+        whole, _ = _correlation(
+            schedule, self.correlation_time, 0, len(schedule.windows)
+        )
+        return np.asarray(self.sigma**2 * whole)
 
     def reduce(self, schedule: Schedule, weights: Array) -> Array:
         """Return the covariance of weighted window averages; see Process.
@@ -150,19 +264,36 @@ class GaussMarkov:
         """
         tau = self.correlation_time
         constant = weights.sum(axis=1)
-        correlation = _correlation if weights.shape[1] > ROWS else _kept_correlation
-
-        def rows(own: slice) -> Array:
-            made = correlation(schedule, tau, own.start, own.stop)
-            return np.hstack([made.whole, made.without_constant])
-
-        both = weighed(weights, rows).reshape(len(weights), 2, -1) @ weights.T
-        whole, rest = both[:, 0], both[:, 1]
+        both = self.of_kinds(schedule, weights)
+        if both is None:
+            made = _correlation if weights.shape[1] > ROWS else _kept_correlation
+            C = weighed(
+                weights,
+                lambda own: np.hstack([*made(schedule, tau, own.start, own.stop)]),
+            )
+            both = np.moveaxis(C.reshape(len(weights), 2, -1) @ weights.T, 1, 0)
         slow = tau > np.where(weights != 0.0, schedule.lengths, 0.0).max(axis=1)
         C = np.where(
-            slow[:, None] & slow[None, :], np.outer(constant, constant) + rest, whole
+            slow[:, None] & slow[None, :],
+            np.outer(constant, constant) + both[1],
+            both[0],
         )
         return np.asarray(self.sigma**2 * C)
+
+
+def _correlation(schedule: Schedule, tau: float, first: int, last: int) -> Array:
+    """Return rows of the covariance over sigma^2, and of that minus 1, (2, m, n)."""
+    own, process = slice(first, last), GaussMarkov(1.0, tau)
+    starts, lengths = schedule.starts, schedule.lengths
+    both = process.between((starts[own, None], lengths[own, None]), (starts, lengths))
+    for rows, variances in zip(both, process.alone(lengths), strict=True):
+        _put_diagonal(rows, own, variances)
+    both.flags.writeable = False
+    return both
+
+
+# Of tests that are made whole: axes and devices mostly share their schedule and tau.
+_kept_correlation = lru_cache(maxsize=256)(_correlation)
 
 
 @dataclass(frozen=True)
@@ -195,16 +326,15 @@ FAR = 1e4  # where the next term of the series of Ci is below rounding [1]
 
 
 @dataclass(frozen=True)
-class Flicker(_InRows):
+class Flicker(_Stationary):
     """Flicker noise: two-sided density B^2/(2 pi |f|) above a low cut, IEEE 952."""
 
     coefficient: float  # B [SI]
     low_cut: float  # f_L [Hz]
 
-    def rows(self, schedule: Schedule, own: slice) -> Array:
-        """Return some rows of the covariance, shape (m, n) [SI squared]."""
-        (C,) = stationary(schedule.starts, schedule.lengths, (self._integral,), own)
-        return C
+    def between(self, a: _Span, b: _Span) -> Array:
+        """Return the covariances; see _Stationary."""
+        return -_difference(self._integral, a, b)[None]
 
     def _integral(self, t: Array) -> Array:
         """Return G, whose second derivative is the autocovariance [SI squared, s^2].
@@ -223,43 +353,6 @@ class Flicker(_InRows):
         far = -0.5 - np.sin(y) / y + 3.0 * np.cos(y) / y**2 + 12.0 * np.sin(y) / y**3
         inner = np.where(x < FAR, inner, far)
         return np.asarray(-(self.coefficient**2) / (np.pi * a**2) * inner)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Correlation:
-    """Rows of the covariance of window averages over sigma^2, (m, n), to rounding."""
-
-    whole: Array  # [1]
-    without_constant: Array  # minus 1: what is left of a process that is nearly one
-
-
-def _correlation(schedule: Schedule, tau: float, first: int, last: int) -> _Correlation:
-    """Return rows of the covariance over sigma^2, with and without its constant."""
-    own = slice(first, last)
-    starts, lengths = schedule.starts, schedule.lengths
-    ends, x = starts + lengths, lengths / tau
-    later_start = np.maximum(starts[own, None], starts[None, :])
-    earlier_end = np.minimum(ends[own, None], ends[None, :])
-    gap = np.maximum(later_start - earlier_end, 0.0) / tau
-    log_mean = _log_mean_exponential(x)
-    exponent = log_mean[own, None] + log_mean[None, :] - gap
-    whole: Array = np.exp(exponent)
-    rest: Array = np.expm1(exponent)
-    # On the diagonal 2 (x - 1 + e^(-x)) / x^2.
-    small, large = np.minimum(x, 1.0), np.maximum(x, 1.0)
-    series = sum(
-        2.0 * (-small) ** k / factorial(k + 2) for k in range(SERIES_TERMS, 0, -1)
-    )  # minus 1
-    closed = 2.0 / large * (1.0 + np.expm1(-large) / large)
-    _put_diagonal(whole, own, np.where(x < 1.0, series + 1.0, closed))
-    _put_diagonal(rest, own, np.where(x < 1.0, series, closed - 1.0))
-    for one in (whole, rest):
-        one.flags.writeable = False
-    return _Correlation(whole=whole, without_constant=rest)
-
-
-# Of tests that are made whole: axes and devices mostly share their schedule and tau.
-_kept_correlation = lru_cache(maxsize=256)(_correlation)
 
 
 def stationary(
@@ -288,27 +381,32 @@ def stationary(
     tuple of ndarray, shape (m, n)
         One for each function.
     """
-    ends = starts + lengths
-
-    def difference(F: Callable[[Array], Array]) -> Array:
-        parts = (
-            F(b[None] - a[own, None]) for a in (ends, starts) for b in (ends, starts)
-        )
-        ee, es, se, ss = parts  # the edge of a, then that of b
-        return (ee - es - se + ss) / np.outer(lengths[own], lengths)
-
+    a, b = (starts[own, None], lengths[own, None]), (starts, lengths)
     signs = (-1.0, 1.0, 1.0)
     return tuple(
-        sign * difference(F) for sign, F in zip(signs, integrals, strict=False)
+        sign * _difference(F, a, b) for sign, F in zip(signs, integrals, strict=False)
     )
+
+
+def _difference(F: Callable[[Array], Array], a: _Span, b: _Span) -> Array:
+    """Return S_F of two windows; see stationary."""
+    edges = ((start + length, start) for start, length in (a, b))
+    of_a, of_b = edges
+    ee, es, se, ss = (F(y - x) for x in of_a for y in of_b)  # of a, then of b
+    return np.asarray((ee - es - se + ss) / (a[1] * b[1]))
+
+
+def _series(x: Array, coefficient: Callable[[int], float]) -> Array:
+    """Return the sum of coefficients times (-x)^k, k from 1, by Horner's rule."""
+    found = 0.0 * x
+    for k in range(SERIES_TERMS, 0, -1):
+        found = -x * (coefficient(k) + found)
+    return found
 
 
 def _log_mean_exponential(x: Array) -> Array:
     """Return log((1 - e^(-x)) / x), to rounding for x from 0 up."""
-    small = np.minimum(x, 1.0)
-    series = sum(
-        (-small) ** k / factorial(k + 1) for k in range(SERIES_TERMS, 0, -1)
-    )  # (1 - e^(-x))/x - 1
+    series = _series(np.minimum(x, 1.0), lambda k: 1.0 / factorial(k + 1))
     large = np.maximum(x, 1.0)
     logarithm = np.log(-np.expm1(-large) / large)
     return np.asarray(np.where(x < 1.0, np.log1p(series), logarithm))

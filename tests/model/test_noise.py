@@ -162,3 +162,37 @@ def test_memory_grows_with_the_windows_and_not_with_their_square(process):
     square = 8 * n * n
     assert peak(lambda: process.reduce(windows, np.ones((4, n)))) < square
     assert peak(lambda: process.covariance(windows)) >= square
+
+
+def repeated(times):
+    """Return a test that repeats: three dwells, a pause, a turn; and its weights."""
+    pattern = [(0.0, 13.7), (13.7, 13.7), (27.4, 13.7), (60.1, 20.3)]
+    windows = schedule(*((91.3 * k + s, L) for k in range(times) for s, L in pattern))
+    rng = np.random.default_rng(8)
+    once = rng.normal(size=(3, len(pattern)))
+    once[1] = 1.0, 0.0, -1.0, 0.0  # a difference, which no constant shows in
+    return windows, np.tile(once, times) / times
+
+
+@pytest.mark.parametrize("process", PROCESSES, ids=repr)
+def test_repeated_windows_are_what_each_of_them_is(process):
+    """Kinds of windows together make what all of them one by one make."""
+    windows, weights = repeated(ROWS)
+    whole = weights @ process.covariance(windows) @ weights.T
+    scale = np.sqrt(np.outer(np.diag(whole), np.diag(whole)))
+    C = process.reduce(windows, weights)
+    assert_allclose(C / scale, whole / scale, rtol=0, atol=1e-9)
+
+
+def test_a_repetition_costs_its_lags_and_not_its_pairs(monkeypatch):
+    """9,000 windows by 9,000 are 81 million pairs, of a few lags: 1 in 100 at most."""
+    asked = []
+    integral = Flicker._integral  # noqa: SLF001 - what is costly
+    counted = lambda self, t: asked.append(t.size) or integral(self, t)  # noqa: E731
+    monkeypatch.setattr(Flicker, "_integral", counted)
+    windows, weights = repeated(2250)
+    Flicker(1.5, 1e-5).reduce(windows, weights)
+    assert sum(asked) < len(windows.windows) ** 2 / 100
+    asked.clear()
+    Flicker(1.5, 1e-5).reduce(*repeated(ROWS // 4))
+    assert sum(asked) == 4 * ROWS**2  # few windows are multiplied out
