@@ -480,7 +480,18 @@ def _with_unit(number: str, kind: Kind, bare: str) -> str:
         unit, power = ("ppm", 6) if size < 1e3 * PPM else ("%", 2)
         scaled = Decimal(number).scaleb(power).normalize()
         return f"; as a plain ratio that is '{scaled:f} {unit}'"
+    if bare == "deg" and _is_part_of_pi(number):
+        return f"; did you mean '{number} rad' or '{number} {bare}'?"
     return f"; did you mean '{number} {bare}'?" if bare else ""
+
+
+def _is_part_of_pi(number: str) -> bool:
+    """Whether a number is a multiple of pi/12 to its decimals, two of them at least."""
+    decimals = re.fullmatch(r"[+-]?[0-9]*\.([0-9]{2,15})", number)
+    if not decimals:
+        return False
+    off = (abs(abs(float(number)) - k * pi / 12.0) for k in range(1, 25))
+    return min(off) < 10.0 ** -len(decimals[1])
 
 
 def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:

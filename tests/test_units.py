@@ -618,3 +618,24 @@ def test_no_mass_passes_for_an_acceleration(unit):
     """A spelling of micrograms is refused where an acceleration is needed."""
     with pytest.raises(UnitError, match=r"no known unit.*acceleration"):
         parse_quantity(f"50 {unit}", ACCELERATION)
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("1.57", "'1.57 rad' or '1.57 deg'"),
+        ("-3.14", "'-3.14 rad' or '-3.14 deg'"),
+        ("0.785398", "'0.785398 rad' or '0.785398 deg'"),
+        ("6.2832", "'6.2832 rad' or '6.2832 deg'"),
+        ("45", "'45 deg'"),
+        ("1.5", "'1.5 deg'"),
+        ("0.70", "'0.70 deg'"),
+        ("45.26", "'45.26 deg'"),
+        ("1e-999999999999", "'1e-999999999999 deg'"),
+    ],
+)
+def test_a_part_of_pi_without_a_unit_is_likelier_in_radians(text, hint):
+    """A bare angle is meant in deg, but where its decimals are those of pi/12."""
+    with pytest.raises(UnitError) as caught:
+        parse_quantity(text, "deg", bare="deg")
+    assert str(caught.value).endswith(f"did you mean {hint}?")
