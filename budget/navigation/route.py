@@ -145,9 +145,11 @@ class Outline:
 
     latitude: tuple[float, float]  # where it begins and ends [rad]
     longitude: tuple[float, float] | None  # likewise; None: not given
+    heights: tuple[float, float]  # least and largest, above the ellipsoid [m]
     length: float  # of the way [m]
     duration: float  # [s]
     speed: float  # largest [m/s]
+    climb_rate: float  # largest, up or down [m/s]
     acceleration: float  # largest, dv/dt north, east, down [m/s^2]
     turn_rate: float  # largest, against north, east, down [rad/s]
     hardest: float  # when the acceleration is largest [s]
@@ -211,6 +213,8 @@ class Legs:
             steps.nodes,
             latitude=(self.start.latitude, float(steps.ends.latitude[-1])),
             longitude=None if here is None else (here, here + float(moved)),
+            heights=self.start.height
+            + np.cumsum([0.0, *(leg.climb_rate * leg.duration for leg in self.legs)]),
         )
 
     def leg_at(self, time: float) -> int:
@@ -340,6 +344,7 @@ class Track:
             self._nodes(edges),
             latitude=(float(self.latitude[0]), float(self.latitude[-1])),
             longitude=(float(self.longitude[0]), float(self.longitude[-1])),
+            heights=self.height,
         )
 
     def steps(self, times: Sequence[float], cuts: Sequence[float] = ()) -> Steps:
@@ -485,8 +490,12 @@ def _outline(
     *,
     latitude: tuple[float, float],
     longitude: tuple[float, float] | None,
+    heights: Array,
 ) -> Outline:
-    """Return the outline of a route from steps of it and where it begins and ends."""
+    """Return the outline of a route from steps of it and where it begins and ends.
+
+    And from heights on the way, which has none above or below all of them.
+    """
     speed, acceleration, turn_rate = (
         np.linalg.norm(one, axis=-1)
         for one in (nodes.velocity, nodes.acceleration, nodes.turning)
@@ -495,9 +504,11 @@ def _outline(
     return Outline(
         latitude=latitude,
         longitude=longitude,
+        heights=(float(heights.min()), float(heights.max())),
         length=float(speed @ WEIGHTS @ durations),
         duration=float(durations.sum()),
         speed=float(speed.max()),
+        climb_rate=float(np.abs(nodes.velocity[..., 2]).max()),
         acceleration=float(acceleration.max()),
         turn_rate=float(turn_rate.max()),
         hardest=float(times.ravel()[acceleration.argmax()]),

@@ -72,13 +72,16 @@ def route_words(route: Route) -> str:
         )
     unit, si_per_unit = unit_for("position", way.length)
     return say(
-        "Route: {begin} to {end}, {length} in {time}, at most {speed} m/s, "
-        "{acceleration} g, {rate} deg/s.",
+        "Route: {begin} to {end}, {length} in {time}, {low} m to {high} m high, at "
+        "most {speed} m/s, {climb} m/s up or down, {acceleration} g, {rate} deg/s.",
         begin=begin,
         end=end,
         length=f"{print_given(way.length / si_per_unit, digits=3)} {unit}",
         time=time,
+        low=_to(way.heights[0], 0),
+        high=_to(way.heights[1], 0),
         speed=print_given(way.speed, digits=3),
+        climb=print_given(way.climb_rate, digits=2),
         acceleration=print_given(way.acceleration / STANDARD_GRAVITY, digits=2),
         rate=rate,
     )
@@ -134,4 +137,4 @@ def route_section(mission: Mission) -> Section:
 
 def _to(value: float, decimals: int) -> str:
     """Print a number that is known, to a number of decimals at the most."""
-    return print_given(round(value, decimals), digits=DIGITS)
+    return print_given(round(value, decimals) + 0.0, digits=DIGITS)  # no -0

@@ -71,6 +71,7 @@ MOST_RUNS = 5  # of rows, that one message names
 LONGEST = DAY  # from the first row to the last [s]
 MOST_LATITUDE = radians(89.9)  # north is no direction at a pole [rad]
 MOST_SPEED = 10_000.0  # [m/s]
+FOOT = 0.3048  # [m]
 LEAST_SPEED = 0.1  # below which a track has no direction [m/s]
 # From where a heading is held against the track, and may be off in the median: noise
 # of positions turns a slow track, and a helicopter or a boat heads a little aside.
@@ -80,6 +81,34 @@ WELL_ALONG = radians(20.0)  # where another reading of a heading fits [rad]
 # Of steps between rows in which a rounded position goes, and of what rounding asks for.
 MOST_GRAINS, MOST_ROUNDING = 20, STANDARD_GRAVITY  # [1], [m/s^2]
 LEAST_GRAIN = 1e-6  # below which it is the rounding of radians [m]
+# What a lean that follows the track is besides 1 times what this asks for, by a slip:
+# the factor, how near to it, from which size on [rad] and how much of height [m], so
+# that it is no ship, which heels out of its turns and pitches with the slope of waves.
+SLIPS = (
+    ("roll", radians(1.0), 1.1, 0.2, 0.0, term("are its numbers rad, under [deg]?")),
+    (
+        "roll",
+        -1.0,
+        1.6,  # with latitude for longitude east is stretched
+        0.2,
+        0.0,
+        term(
+            "is it counted with the left side down, or are latitude and longitude "
+            "swapped?"
+        ),
+    ),
+    ("pitch", radians(1.0), 1.1, 0.05, 50.0, term("are its numbers rad, under [deg]?")),
+    ("pitch", -1.0, 1.1, 0.05, 50.0, term("is it counted with the nose down?")),
+    (
+        "pitch",
+        FOOT,
+        1.1,
+        0.05,
+        50.0,
+        term("are the numbers of height ft, under [m]?"),
+    ),
+)
+CLOSE = 0.95  # correlation with the track from which a lean follows it [1]
 MOST_GAP = 10.0  # from row to row, of the median: above it something is left out [1]
 # What is within bounds of each column [SI], and the bounds in words.
 BOUNDS = {
@@ -193,7 +222,10 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
             *_gaps(values["time"], first),
             *_aside(heading, north, east),
         ),
-        doubts=_coarse(values["time"], dict(zip(PLACE, track, strict=True))),
+        doubts=(
+            *_coarse(values["time"], dict(zip(PLACE, track, strict=True))),
+            *_leaning(values, north, east),
+        ),
         origin=Origin(file=path.name, sha256=sha256(data).hexdigest()),
     )
 
@@ -262,6 +294,55 @@ def _coarse(time: Array, track: dict[str, Array]) -> tuple[str, ...]:
                     size=grain / dt**2 / STANDARD_GRAVITY,
                 )
             )
+    return tuple(found)
+
+
+def _leaning(
+    values: dict[str, Array], v_north: Array, v_east: Array
+) -> tuple[str, ...]:
+    """Say where roll or pitch follow the track in another unit or sense.
+
+    In a turn in which nothing pulls aside tan(roll) = a/g, a the acceleration to the
+    right; where the nose is along the path tan(pitch) is climb over way. A vehicle
+    leans as it likes, and less so or not at all is no slip; what is said follows the
+    track closely (correlation) by a factor that a slip has.
+    """
+    time, v = values["time"], np.hypot(v_north, v_east)
+    moves = v > TRACK_SPEED
+    if moves.sum() < LEAST_ROWS:
+        return ()
+    a_north, a_east, climb = (
+        np.gradient(one, time, edge_order=2)
+        for one in (v_north, v_east, values["height"])
+    )
+    aside = (v_north * a_east - v_east * a_north)[moves] / v[moves]
+    of_track = {
+        "roll": np.arctan(aside / STANDARD_GRAVITY),
+        "pitch": np.arctan(climb[moves] / v[moves]),
+    }
+    rises = float(np.ptp(values["height"]))
+    found = []
+    for name, angle in of_track.items():
+        own = values.get(name, np.zeros_like(v))[moves]
+        if not (np.ptp(angle) and np.ptp(own)):
+            continue
+        factor = float(np.polyfit(angle, own, 1)[0])
+        follows = abs(np.corrcoef(angle, own)[0, 1]) > CLOSE
+        found += [
+            note(
+                "trajectory.{name}: is {factor} times what the track asks for, all "
+                "along the way: {hint}",
+                name=name,
+                factor=f"{factor:.2g}",
+                hint=note(words),
+            )
+            for of, slip, near, least, height, words in SLIPS
+            if of == name
+            and follows
+            and 1.0 / near < factor / slip < near
+            and np.ptp(angle) > least
+            and rises >= height
+        ]
     return tuple(found)
 
 

@@ -347,13 +347,23 @@ def saturated(analysis: Analysis) -> tuple[str, ...]:
     return tuple(one.said for one in saturations(analysis.sensors, mission))
 
 
-# What no usual vehicle does, so that a wrong unit is likelier: aircraft stay below
-# 1000 m/s (SR-71, 980 m/s) and 20 g (fighters 9 g, aerobatics 12 g), drones turn by up
-# to 1000 deg/s, and what moves at all goes faster than an underwater glider.
+# What no usual vehicle does, so that a wrong unit is likelier. Which one it is nobody
+# says, so each bound is that of the vehicle that goes farthest, and ships, cars and
+# airliners are well within.
+# SR-71, 28 July 1976: 3529.56 km/h, 980 m/s, and 85,069 ft, 25,929 m, in level flight
+# (mechanicshub.com/toolbox/fastest-plane); an F-15 coasted to 103,000 ft in a climb of
+# minutes (afhistory.org/january-26-1975), about which a hint may be wrong.
 MOST_SPEED = 1000.0  # [m/s]
+MOST_HEIGHT = 26_000.0  # [m]
+# Fighters turn at 9 g (boltflight.com, F-16 G-force limit), air races end at 12 g
+# (matthallracing.com, G-inspection); above, for what is short: bumps, catapults.
 MOST_ACCELERATION = 20.0 * STANDARD_GRAVITY  # [m/s^2]
+# Race planes roll at 420 deg/s (airrace.redbull.com, What it takes), racing drones are
+# set to 550 to 650 deg/s (prismnews.com, Betaflight); above, for those of freestyle.
 MOST_TURN_RATE = radians(1000.0)  # [rad/s]
-LEAST_SPEED, LEAST_LENGTH = 0.25, 10.0  # [m/s], [m]
+# Underwater gliders are slowest; ones of half their speed are proposed (Bruvik et al.
+# 2020, Ocean Science 16, 291), so it is below half of a usual 0.25 m/s.
+LEAST_SPEED, LEAST_LENGTH = 0.1, 10.0  # [m/s], [m]
 
 
 def of_no_vehicle(mission: Mission | None) -> tuple[str, ...]:
@@ -372,6 +382,15 @@ def of_no_vehicle(mission: Mission | None) -> tuple[str, ...]:
                 "{most:g} m/s: see to its units of time and place",
                 speed=way.speed,
                 most=MOST_SPEED,
+            )
+        )
+    if (height := way.heights[1]) > MOST_HEIGHT:
+        found.append(
+            note(
+                "the mission is up to {height} m high, aircraft stay below {most:g} m: "
+                "are its heights ft?",
+                height=f"{height:.0f}",
+                most=MOST_HEIGHT,
             )
         )
     if way.acceleration > MOST_ACCELERATION:

@@ -78,8 +78,8 @@ def test_one_line_says_the_route_of_segments():
     way = {"straight": "60 s", "speed": "20 m/s", "heading": "0 deg"}
     one = load_mission({"mission": {**start, "segments": [way]}})
     assert route_words(one.route) == (
-        "Route: 45.0000 N 10.0000 W to 45.0108 N 10.0000 W, 1.2 km in 1 min, at most "
-        "20 m/s, 0 g, 0 deg/s."
+        "Route: 45.0000 N 10.0000 W to 45.0108 N 10.0000 W, 1.2 km in 1 min, 0 m to "
+        "0 m high, at most 20 m/s, 0 m/s up or down, 0 g, 0 deg/s."
     )
     turn = {"turn": "90 deg", "rate": "10 deg/s"}
     way = load_mission({"mission": {**start, "speed": "20 m/s", "segments": [turn]}})
@@ -87,6 +87,18 @@ def test_one_line_says_the_route_of_segments():
     assert_allclose(way.route.outline.acceleration, 3.490658504, rtol=1e-9)
     assert_allclose(way.route.outline.length, 180.0, rtol=1e-12)
     assert not of_no_vehicle(way)
+
+
+def test_the_line_says_how_high_it_goes():
+    """Feet under [m] are seen there: 300 m in a minute, up to where the climb ends."""
+    start = {"latitude": "45 deg", "height": "-0.2 m", "speed": "20 m/s"}
+    way = [{"climb": "60 s", "rate": "5 m/s"}, {"climb": "10 s", "rate": "-8 m/s"}]
+    one = load_mission({"mission": {**start, "segments": way}})
+    line = route_words(one.route)
+    assert "0 m to 300 m high" in line
+    assert "8 m/s up or down" in line
+    assert_allclose(one.route.outline.heights, (-0.2, 299.8), rtol=1e-12)
+    assert_allclose(one.route.outline.climb_rate, 8.0, rtol=1e-12)
 
 
 def test_a_route_east_ends_at_its_longitude():
