@@ -88,9 +88,11 @@ def main():
     order = np.random.default_rng(seed).permutation(len(runs))[:most]
     faults = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for fault in pool.map(lambda place: fault_of(*runs[place]), order):
+        found = pool.map(lambda place: fault_of(*runs[place]), order)
+        for done, fault in enumerate(found, start=1):
             faults += bool(fault)
             sys.stdout.write(fault and f"{fault}\n")
+            sys.stdout.write("" if done % 50 else f"{done} runs, {faults} faults\n")
             sys.stdout.flush()
     sys.stdout.write(
         f"{len(order)} of {len(runs)} runs ({len(commands())} commands, "
