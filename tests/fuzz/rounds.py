@@ -41,7 +41,8 @@ PIECES = (
 FIGURE = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
 LONGEST = 4_000  # characters of a line that is said
 SLOW = 30.0  # of a processor [s]
-FAULT = re.compile(r"Traceback|Warning:|internal error", re.IGNORECASE)
+# Of Python's warnings: what the program warns of stands under "Warning:" too.
+FAULT = re.compile(r"Traceback|[a-z]Warning:|internal error")
 
 
 def mutated(text, random):
