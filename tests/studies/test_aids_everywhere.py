@@ -98,7 +98,7 @@ def test_each_unit_of_a_comparison_has_its_own_filter():
         (own,) = (one for one in alone.sensors if one.sensor == MISSION)
         assert row.verdict == own.verdict
         assert_allclose(row.utilisation, own.utilisation, rtol=1e-9)
-    assert rows["tac"].verdict == "meets_if"  # lines are not given
+    assert rows["tac"].verdict == "undecidable"  # its g-sensitivity is not given
     assert rows["mems"].verdict == "fails"
 
 

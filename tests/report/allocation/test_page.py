@@ -255,6 +255,7 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
 
     assert {row.source.partition(".")[2] for row in idle} == {
         "bias_repeatability",
+        "bias_over_temperature",
         "scale_factor_repeatability",
         "scale_factor_nonlinearity",
     }

@@ -596,7 +596,9 @@ def test_a_sensor_that_is_limited_but_absent_is_said_first():
         evidence=example_evidence(gyro_only=True),
     )
 
-    assert report.headline == f"FAILS tactical grade, gyro alone, {AFTER}"
+    assert report.headline == (
+        f"FAILS tactical grade, gyro alone, accelerometer not judged, {AFTER}"
+    )
     assert_says(say(report.summary), "nothing", "of the accelerometer", "limits too")
 
 
