@@ -16,6 +16,7 @@ from budget.model.source import SENSORS
 from budget.model.sources import lines_of
 from budget.names import AIDING, PARAMETERS, PLACES, Name
 from budget.spec.fields import (
+    KEY,
     Measured,
     OrText,
     ShortText,
@@ -384,7 +385,8 @@ class FilterPart(Strict):
             try:
                 _believed(name, text)
             except UnitError as error:
-                messages["believes", name] = str(error)
+                on_key = () if name in _lines() else (KEY,)
+                messages["believes", name, *on_key] = str(error)
         if messages:
             raise faults(messages)
         return self

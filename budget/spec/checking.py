@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from budget.earth import ROTATION_RATE
 from budget.model.sources import SOURCES, twin_of
-from budget.spec.fields import Later
+from budget.spec.fields import KEY, Later
 from budget.spec.makers import LINES_BY_WORD, MEANINGS, bare, reading_of
 from budget.spec.tree import LONGEST_SHOWN, MOST_ISSUES, all_of, describe, plain
 from budget.units import DEG_PER_HOUR
@@ -188,6 +188,10 @@ def _issue(
     steps = detail["loc"]
     node = root.nearest(steps)
     kind, given = detail["type"], node.value
+    on_key = steps[-1:] == (KEY,)
+    if on_key:
+        steps = steps[:-1]
+        given = steps[-1]
     if kind == "missing":
         last = steps[-1]
         missing = repr(last) if isinstance(last, str) else f"item {last + 1}"
@@ -199,7 +203,8 @@ def _issue(
             f"{_slip(str(steps[-1]), allowed) or _inside(model, steps)}"
         )
         return document.issue(node, message, on_key=True)
-    found = node.written if isinstance(given, int | float) else describe(given)
+    is_number = isinstance(given, int | float) and not on_key
+    found = node.written if is_number else describe(given)
     if kind == "budget":
         message = f"{detail['msg']}{_see(steps) if 'expected' in detail['msg'] else ''}"
     elif kind == "literal_error":
@@ -212,7 +217,7 @@ def _issue(
             message += _bracketed(model, steps, node)
     else:
         message = f"found {found}, {in_our_words(detail)}"
-    return document.issue(node, message)
+    return document.issue(node, message, on_key=on_key)
 
 
 def in_our_words(detail: ErrorDetails) -> str:

@@ -55,6 +55,9 @@ def fault(message: str) -> PydanticCustomError:
     return PydanticCustomError("budget", "{message}", {"message": message})
 
 
+KEY = "[key]"  # last of a path: the key there, as pydantic says it too
+
+
 def faults(messages: Mapping[Path, str]) -> ValidationError:
     """Return the errors of several values, named by their path in the mapping."""
     return ValidationError.from_exception_data(
