@@ -29,6 +29,8 @@ from itertools import groupby
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup
+
 from budget.language import template
 from budget.report.blocks import (
     Cell,
@@ -363,7 +365,7 @@ def _said(message: str, **parts: object) -> Marked:
 
 def _part(value: object) -> str:
     """Return a part of a sentence."""
-    return marked(value).strip() if isinstance(value, Marked) else marked(value)
+    return marked(value).strip() if isinstance(value, Markup) else marked(value)
 
 
 def _counted(one: str, many: str, number: int, **parts: object) -> Marked:

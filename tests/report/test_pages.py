@@ -120,6 +120,17 @@ def test_sentences_are_said_in_the_language_spoken(page):
     assert section.blocks[1] == Paragraph(words=("2 things",))
 
 
+def test_what_a_template_makes_has_no_blanks_around_it_in_a_sentence(page):
+    """Neither of a macro nor of a block of lines; a value keeps its own."""
+    (section,) = page(
+        "{% macro m() %}\nx\n{% endmacro %}\n{% set s %}\ny\n{% endset %}\n"
+        "## T {:t}\n\n"
+        "{% trans a=m(), b=s, c=v %}{{ a }},{{ b }}.{{ c }}.{% endtrans %}\n",
+        v="z ",
+    )
+    assert section.blocks == (Paragraph(words=("x,y.z .",)),)
+
+
 def test_a_value_that_is_not_there_is_an_error(page):
     """Nothing is printed in its place; a template reaches only what it is given."""
     for text in ("{{ absent }}", "{{ x.__class__.__mro__ }}"):
