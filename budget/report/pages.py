@@ -5,7 +5,7 @@ that terminal, HTML and PDF show. What it may write:
 
     ## Title {:name}                    a section; `{:name first}` is of page one,
                                         `{:name page}` of pages, not of a terminal
-    ### Title                           a panel of it, up to the next heading
+    ### Title                           a panel of it, up to the next heading or `---`
     Words **bold** {{ u|number(3) }}    a paragraph, a number with its exact value
     > Words                             a small paragraph
     - point   1. point                  listings
@@ -97,7 +97,8 @@ def _reader() -> MarkdownIt:
     """Return what reads the Markdown of a page, and nothing else of Markdown."""
     from markdown_it import MarkdownIt
 
-    rules = ("heading", "list", "blockquote", "table", "emphasis", "escape", "newline")
+    inside = ("emphasis", "escape", "newline")
+    rules = ("heading", "hr", "list", "blockquote", "table", *inside)
     return MarkdownIt("zero").enable(rules)
 
 
@@ -112,7 +113,7 @@ def _sections(
     nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
 ) -> Iterator[Section]:
     """Yield the sections that headings of the second level begin."""
-    for title, own in _under("h2", nodes):
+    for title, own in _under({"h2"}, nodes):
         said, name, how = _named(title)
         yield Section(
             name=name,
@@ -127,19 +128,19 @@ def _panels(
     nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
 ) -> Iterator[Block]:
     """Yield blocks, those below a heading of the third level in a panel."""
-    for title, own in _under("h3", nodes):
+    for title, own in _under({"h3", "hr"}, nodes):
         blocks = tuple(_blocks(own, objects))
-        if title is None:
+        if title is None or title.tag == "hr":
             yield from blocks
         else:
             yield Panel(title=_text(title), blocks=blocks)
 
 
 def _under(
-    tag: str, nodes: Sequence[SyntaxTreeNode]
+    tags: set[str], nodes: Sequence[SyntaxTreeNode]
 ) -> Iterator[tuple[SyntaxTreeNode | None, Sequence[SyntaxTreeNode]]]:
-    """Part nodes at headings: what stands before the first one has none."""
-    heads = [place for place, node in enumerate(nodes) if node.tag == tag]
+    """Part nodes at headings and lines: what stands before the first has none."""
+    heads = [place for place, node in enumerate(nodes) if node.tag in tags]
     for start, end in zip([-1, *heads], [*heads, len(nodes)], strict=True):
         if start >= 0 or end > 0:
             yield (nodes[start] if start >= 0 else None), nodes[start + 1 : end]
@@ -266,7 +267,8 @@ def _words(node: SyntaxTreeNode) -> Any:  # noqa: ANN401 - words, and marks of c
                 found.append(int(value))
             elif kind == EXACT:
                 exact, _, said = value.partition(OF)
-                run = Run(text=shown(said), strong=strong, exact=float(exact))
+                size = int(exact) if exact.isdecimal() else float(exact)
+                run = Run(text=shown(said), strong=strong, exact=size)
                 found.append(run)
             else:
                 found.append((kind, shown(value)))

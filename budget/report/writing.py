@@ -54,7 +54,8 @@ def exact(text: str, value: float | None) -> Marked:
     """Return a number in a text, or in a cell, with its exact value."""
     if value is None or isnan(value):
         return marked(text)
-    return Marked(f"{EXACT}{float(value)!r}{OF}{marked(text)}{END}")
+    size = value if isinstance(value, int) else float(value)
+    return Marked(f"{EXACT}{size!r}{OF}{marked(text)}{END}")
 
 
 def number(value: float, digits: int = 3) -> Marked:

@@ -106,6 +106,23 @@ def test_a_block_that_is_made_elsewhere_stands_where_it_is_named(page):
     assert section.blocks == (Paragraph(words=("Before",)), figure)
 
 
+def test_a_line_ends_a_panel(page):
+    """What follows it belongs to the section; a value of three dashes is none."""
+    (section,) = page(
+        "## T {:t}\n\n### Part\n\n{{ x }}\n\n---\n\nBelow it.\n", x="---"
+    )
+    panel, below = section.blocks
+    assert panel == Panel(title="Part", blocks=(Paragraph(words=("---",)),))
+    assert below == Paragraph(words=("Below it.",))
+
+
+def test_a_count_stays_a_whole_number(page):
+    """The exact value of a count has no decimal point, that of a size has one."""
+    (section,) = page('## T {:t}\n\n{{ "2"|exact(2) }} {{ "2"|exact(2.0) }}\n')
+    count, _, size = section.blocks[0].words
+    assert (repr(count.exact), repr(size.exact)) == ("2", "2.0")
+
+
 def test_sentences_are_said_in_the_language_spoken(page):
     """Whole, with their parts where that language wants them; one thing or several."""
     text = (
