@@ -12,6 +12,7 @@ from budget.language import Note, key_title, say, words
 from budget.report.allocation.words import DASH, DIGITS, print_stop
 from budget.report.tables import (
     join_outputs,
+    print_count,
     print_coverage,
     print_given,
     print_three,
@@ -111,6 +112,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "settle": settle,
     "ratio": lambda value: f"{print_given(value, digits=DIGITS)}:1",
     "of_ratio": lambda value: DASH if value is None else number(value),
-    "stop": lambda outputs: print_stop(outputs, ""),
+    "stop": print_stop,
     "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
+    "thousands": print_count,
 }

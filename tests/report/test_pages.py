@@ -108,9 +108,7 @@ def test_a_block_that_is_made_elsewhere_stands_where_it_is_named(page):
 
 def test_a_line_ends_a_panel(page):
     """What follows it belongs to the section; a value of three dashes is none."""
-    (section,) = page(
-        "## T {:t}\n\n### Part\n\n{{ x }}\n\n---\n\nBelow it.\n", x="---"
-    )
+    (section,) = page("## T {:t}\n\n### Part\n\n{{ x }}\n\n---\n\nBelow it.\n", x="---")
     panel, below = section.blocks
     assert panel == Panel(title="Part", blocks=(Paragraph(words=("---",)),))
     assert below == Paragraph(words=("Below it.",))

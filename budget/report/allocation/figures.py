@@ -56,10 +56,10 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     left, left_now = 1.0, 1.0
     rows = [Row(label=say("limit"), marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
     for part in row.parts:
-        if max(part.now, _after(part)) < SHOWN:
+        if max(part.now, part.after) < SHOWN:
             continue
         rows.append(_part_row(row, part, left, left_now))
-        left, left_now = left - _after(part), left_now - part.now
+        left, left_now = left - part.after, left_now - part.now
     marks: list[Mark] = []
     if left > 0.0:
         marks.append(Bar(start=0.0, end=100.0 * left, colour=GRID))
@@ -106,11 +106,9 @@ def after_word(row: LimitedOutput) -> str:
 def _waterfall_title(row: LimitedOutput) -> str:
     """State the finding: who takes most of the limit."""
     name = key_title(row.output.name)
-    largest = row.parts[first_largest([_after(part) for part in row.parts])]
+    largest = row.parts[first_largest([part.after for part in row.parts])]
     title = part_title(largest.source, row.sensor)
-    part = say(
-        "{title} takes {after} %", title=title, after=print_part(_after(largest))
-    )
+    part = say("{title} takes {after} %", title=title, after=print_part(largest.after))
     if row.allowed is None:
         return say(
             "{name} cannot be met: {part} of the squared limit",
@@ -120,18 +118,13 @@ def _waterfall_title(row: LimitedOutput) -> str:
     return say("{part} of the squared {name} limit", part=capital(part), name=name)
 
 
-def _after(part: LimitPart) -> float:
-    """Return the part after the allocation, of an impossible limit what is held [1]."""
-    return part.floor if part.allowed is None else part.allowed
-
-
 def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float) -> Row:
     """Return what one source takes of what is left, allowed and now.
 
     An arrow shows where what it takes now passes the limit.
     """
     colour, hatch, _ = look_of(part.source)
-    after, title = _after(part), part_title(part.source, row.sensor)
+    after, title = part.after, part_title(part.source, row.sensor)
     now, then = print_part(part.now), print_part(after)
     said = say(
         "{title} now {now} %, {after_word} {then} %",

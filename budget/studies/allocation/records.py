@@ -34,6 +34,11 @@ class LimitPart:
     allowed: float | None  # None where the requirement cannot be met
     floor: float  # with every free source as small as it may be
 
+    @property
+    def after(self) -> float:
+        """The part after the allocation, of an impossible limit what is held [1]."""
+        return self.floor if self.allowed is None else self.allowed
+
 
 @dataclass(frozen=True, kw_only=True)
 class LimitedOutput:
@@ -53,6 +58,11 @@ class LimitedOutput:
     def sensor(self) -> str:
         """Owner of the output."""
         return self.output.name.owner
+
+    @property
+    def after(self) -> float:
+        """Utilisation after the allocation, of an impossible limit what is held [1]."""
+        return self.floor if self.allowed is None else self.allowed
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it, in printed units."""
