@@ -58,7 +58,7 @@ from budget.report.writing import (
 from budget.resources import shipped
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from jinja2.sandbox import SandboxedEnvironment
     from markdown_it import MarkdownIt
@@ -83,10 +83,15 @@ def sections(page: str, /, **view: object) -> tuple[Section, ...]:
     objects: list[Block] = []
     token = _objects.set(objects)
     try:
-        text = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}").render(view)
+        tree = _tree(page, view)
     finally:
         _objects.reset(token)
-    return tuple(_sections(_tree(text).children, objects))
+    return tuple(_sections(tree.children, objects))
+
+
+def line(page: str, /, **view: object) -> str:
+    """Return the words of a page that has one paragraph, for a file."""
+    return _text(_tree(page, view))
 
 
 # ---- Markdown to blocks --------------------------------------------------------------
@@ -102,10 +107,11 @@ def _reader() -> MarkdownIt:
     return MarkdownIt("zero").enable(rules)
 
 
-def _tree(text: str) -> SyntaxTreeNode:
-    """Read a page."""
+def _tree(page: str, view: Mapping[str, object]) -> SyntaxTreeNode:
+    """Fill a page in with values, and read it."""
     from markdown_it.tree import SyntaxTreeNode
 
+    text = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}").render(view)
     return SyntaxTreeNode(_reader().parse(text))
 
 

@@ -121,6 +121,12 @@ def test_a_count_stays_a_whole_number(page):
     assert (repr(count.exact), repr(size.exact)) == ("2", "2.0")
 
 
+def test_a_page_of_one_paragraph_is_a_line_of_a_file(page):
+    """Its lines run on, its values stand as they are."""
+    page("One {{ x }}.\n{% if x %}\nTwo.\n{% endif %}\n", x=HOSTILE[0])
+    assert pages.line("own", x=HOSTILE[0]) == f"One {HOSTILE[0]}. Two."
+
+
 def test_sentences_are_said_in_the_language_spoken(page):
     """Whole, with their parts where that language wants them; one thing or several."""
     text = (

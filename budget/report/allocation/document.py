@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.report.device_file import device_yaml
 from budget.report.document import csv_text
-from budget.report.tables import print_coverage
+from budget.report.pages import line
 
 if TYPE_CHECKING:
     from budget.studies.allocation.records import Allocation
@@ -36,25 +36,9 @@ def allocated_device(allocation: Allocation) -> str:
     """
     if not allocation.feasible:
         raise ValueError("an infeasible requirement has no allocated device")
-    basis = "; ".join(
-        f"{file.role} {file.name} sha256 {file.sha256}" for file in allocation.inputs
-    )
-    notes = (
-        f"Allocated by budget allocate, strategy {allocation.strategy}, to meet "
-        f"{allocation.requirement} at coverage {print_coverage(allocation.coverage)} %,"
-        f" error reference {allocation.reference}, by procedure {allocation.procedure},"
-        f" formulas {allocation.formulas}. Made from {basis}."
-    )
-    if any(check.is_corrected for check in allocation.checks):
-        notes += (
-            " Corrected by Monte Carlo, for which the law is not good enough here: "
-            "analyse it with --method monte-carlo."
-        )
-    if allocation.assumptions:
-        notes += f" Assumed: {'; '.join(allocation.assumptions)}."
     # An allowed size is one to be kept, whatever the maker left open.
     closed = [
-        sensor.with_lines(replace(line, readings=()) for line in sensor.lines)
+        sensor.with_lines(replace(one, readings=()) for one in sensor.lines)
         for sensor in allocation.sensors
     ]
     technologies = {one.technology for one in allocation.devices}
@@ -62,7 +46,7 @@ def allocated_device(allocation: Allocation) -> str:
         closed,
         name=f"{allocation.title[:150]}, allocated for {allocation.requirement[:30]}",
         source="budget allocate",
-        notes=notes,
+        notes=line("allocated", found=allocation),
         technology=technologies.pop() if len(technologies) == 1 else "",
     )
 
