@@ -6,17 +6,16 @@ from dataclasses import dataclass
 from math import atan2, degrees, hypot, remainder
 from typing import TYPE_CHECKING
 
-from budget.language import say
 from budget.names import time_text
-from budget.report.blocks import Field, Paragraph, Section, table_of
 from budget.report.figures.timeline import print_time
-from budget.report.mission import unit_for
-from budget.report.tables import print_given
+from budget.report.pages import sections
+from budget.report.tables import print_given, unit_for
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.navigation.dynamics import Moment
     from budget.navigation.route import Route
+    from budget.report.blocks import Section
     from budget.spec.records import Mission
 
 STILL = 0.5  # below which a way is none [m]
@@ -54,37 +53,27 @@ class _Place:
         return _to(round(degrees(atan2(east, north)), 2) % 360.0, 2)
 
 
-def route_words(route: Route) -> str:
-    """Say in one line where a route leads and how hard, so that a slip is seen."""
+def way_of(route: Route) -> dict[str, object]:
+    """Return where a route leads and how hard, as one line says it."""
     way = route.outline
     begin, end = (
         _place(way.latitude[k], None if way.longitude is None else way.longitude[k])
         for k in (0, 1)
     )
-    rate = print_given(degrees(way.turn_rate), digits=2)
-    time = time_text(float(f"{way.duration:.4g}"))
-    if way.length < STILL:
-        return say(
-            "Route: stands at {place} for {time}, turns at most {rate} deg/s.",
-            place=begin,
-            time=time,
-            rate=rate,
-        )
     unit, si_per_unit = unit_for("position", way.length)
-    return say(
-        "Route: {begin} to {end}, {length} in {time}, {low} m to {high} m high, at "
-        "most {speed} m/s, {climb} m/s up or down, {acceleration} g, {rate} deg/s.",
-        begin=begin,
-        end=end,
-        length=f"{print_given(way.length / si_per_unit, digits=3)} {unit}",
-        time=time,
-        low=_to(way.heights[0], 0),
-        high=_to(way.heights[1], 0),
-        speed=print_given(way.speed, digits=3),
-        climb=print_given(way.climb_rate, digits=2),
-        acceleration=print_given(way.acceleration / STANDARD_GRAVITY, digits=2),
-        rate=rate,
-    )
+    return {
+        "is_still": way.length < STILL,
+        "begin": begin,
+        "end": end,
+        "length": f"{print_given(way.length / si_per_unit, digits=3)} {unit}",
+        "duration": time_text(float(f"{way.duration:.4g}")),
+        "low": _to(way.heights[0], 0),
+        "high": _to(way.heights[1], 0),
+        "speed": way.speed,
+        "climb_rate": way.climb_rate,
+        "acceleration": way.acceleration / STANDARD_GRAVITY,
+        "turn_rate": degrees(way.turn_rate),
+    }
 
 
 def _place(latitude: float, longitude: float | None) -> str:
@@ -99,40 +88,16 @@ def _place(latitude: float, longitude: float | None) -> str:
 def route_section(mission: Mission) -> Section:
     """Tell the way in a table: a row for the start and for each asked time."""
     ends = mission.route.steps(mission.at).ends
-    places = [
-        _Place(0.0, mission.route.first, ()),
-        *(_Place(time, ends, (k,)) for k, time in enumerate(mission.at)),
-    ]
-    title = say("Where the mission leads")
-    table = table_of(
-        places,
-        (
-            Field(head=say("time"), cell=lambda one: print_time(one.time)),
-            Field(
-                head=say("latitude [deg]"),
-                kind="number",
-                cell=lambda one: one.latitude,
-            ),
-            Field(head=say("height [m]"), kind="number", cell=lambda one: one.height),
-            Field(
-                head=say("speed over ground [m/s]"),
-                kind="number",
-                cell=lambda one: one.speed,
-            ),
-            Field(
-                head=say("heading [deg]"),
-                kind="number",
-                cell=lambda one: one.heading,
-            ),
-        ),
-        name="route",
-        caption=title,
+    (section,) = sections(
+        "route",
+        way=way_of(mission.route),
+        places=[
+            _Place(0.0, mission.route.first, ()),
+            *(_Place(time, ends, (k,)) for k, time in enumerate(mission.at)),
+        ],
+        print_time=print_time,
     )
-    return Section(
-        name="route",
-        title=title,
-        blocks=(Paragraph(words=(route_words(mission.route),)), table),
-    )
+    return section
 
 
 def _to(value: float, decimals: int) -> str:

@@ -8,12 +8,12 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
-from budget.language import axis_title, key_title, say, term
+from budget.language import axis_title, beside, key_title, say, term
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
-from budget.units import parse_quantity
+from budget.units import ARCSEC, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,6 +48,17 @@ HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
 ROUNDING = 1e-9  # [1] of divisors and degrees of freedom
 MORE_DIGITS = 4  # at the most, to tell on which side of a limit a number is
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
+HEADING = "heading"
+# Units that an error is read in, the first one up to the next [SI]. Heading by itself,
+# which may be a hundred times tilt.
+ANGLE_UNITS = (("arcsec", ARCSEC), ("arcmin", 60.0 * ARCSEC), ("deg", 3600 * ARCSEC))
+UNITS = {
+    "position": (("m", 1.0), ("km", 1000.0)),
+    "velocity": (("m/s", 1.0),),
+    "attitude": ANGLE_UNITS,
+    HEADING: ANGLE_UNITS,
+}
+Unit = tuple[str, float]  # and its size [SI]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -323,6 +334,19 @@ def largest_error(row: OutputAssessment) -> Number:
     return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
 
 
+def unit_for(quantity: str, largest: float) -> Unit:
+    """Return the unit that errors up to one [SI] are read in, and its size [SI]."""
+    units = UNITS[quantity]
+    fitting = [unit for unit in units if settle(largest / unit[1]) >= 1.0]
+    return fitting[-1] if fitting else units[0]
+
+
+def length(size: float) -> str:
+    """Print a length in the unit that it is read in."""
+    unit, scale = unit_for("position", size)
+    return f"{round_uncertainty(size / scale)} {unit}"
+
+
 def print_given(value: float, *, digits: int = 4) -> str:
     """Print a value that was given, not computed: '0.0125', no zeros added."""
     text = f"{settle(value):.{digits - 1}e}"
@@ -453,6 +477,12 @@ def source_title(source: Name, *, of: str = "") -> str:
     if source == INTERACTION:
         return say("products of two sources")
     return key_title(source.within(of) if of else source.without_owner)
+
+
+def full_title(source: Name) -> str:
+    """Name a source with its owner, as it stands among those of all."""
+    title = source_title(source)
+    return beside(say(source.owner), title) if source.owner else title
 
 
 def join_outputs(names: Sequence[Name]) -> str:

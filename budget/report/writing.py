@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from budget.language import Note, key_title, say, words
+from budget.names import time_text
 from budget.report.allocation.words import DASH, DIGITS, print_stop
 from budget.report.tables import (
+    full_title,
     join_outputs,
     print_count,
     print_coverage,
     print_given,
+    print_share,
     print_three,
     print_utilisation,
+    round_uncertainty,
     source_title,
 )
 from budget.report.wording import VERDICTS, capital, listed, standing_lines
@@ -79,6 +83,12 @@ def bar(text: object, share: float) -> Marked:
     return Marked(f"{marked(text)}{BAR}{share!r}{END}")
 
 
+def share_bar(share: float) -> Marked:
+    """Return a cell with a share of a variance in per cent, and a bar behind it."""
+    text = print_share(share).removesuffix(" %")
+    return bar(exact(text, share), float(share))
+
+
 def shown(text: str) -> str:
     """Return a value as it was."""
     return text.translate(_SHOWN)
@@ -87,6 +97,11 @@ def shown(text: str) -> str:
 def _commas(texts: Iterable[str]) -> str:
     """Put texts in a row."""
     return say(", ").join(texts)
+
+
+def _semicolons(lines: Markup) -> Markup:
+    """Put what stands on lines of a template in a row."""
+    return Marked(say("; ")).join(line for line in lines.splitlines() if line)
 
 
 FILTERS: Mapping[str, Callable[..., object]] = {
@@ -115,4 +130,11 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "stop": print_stop,
     "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
     "thousands": print_count,
+    "rounded": lambda one: "" if one is None else exact(one.text, one.exact),
+    "owned": full_title,
+    "time": time_text,
+    "two": round_uncertainty,
+    "share": print_share,
+    "share_bar": share_bar,
+    "semicolons": _semicolons,
 }

@@ -8,7 +8,7 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 
-from budget.report.route import route_section, route_words
+from budget.report.route import route_section
 from budget.spec import load_mission
 from budget.studies.cautions import of_no_vehicle
 
@@ -18,6 +18,12 @@ def cells(**keys):
     one = load_mission({"mission": {"latitude": "45 deg", **keys}})
     _, table = route_section(one).blocks
     return [[cell.text for cell in row] for group in table.groups for row in group.rows]
+
+
+def line_of(mission):
+    """Return the line that says the route of a mission."""
+    (line,) = route_section(mission).blocks[0].words
+    return line
 
 
 def test_place_and_motion_are_those_of_the_segments():
@@ -77,7 +83,7 @@ def test_one_line_says_the_route_of_segments():
     start = {"latitude": "45 deg", "longitude": "-10 deg"}
     way = {"straight": "60 s", "speed": "20 m/s", "heading": "0 deg"}
     one = load_mission({"mission": {**start, "segments": [way]}})
-    assert route_words(one.route) == (
+    assert line_of(one) == (
         "Route: 45.0000 N 10.0000 W to 45.0108 N 10.0000 W, 1.2 km in 1 min, 0 m to "
         "0 m high, at most 20 m/s, 0 m/s up or down, 0 g, 0 deg/s."
     )
@@ -94,7 +100,7 @@ def test_the_line_says_how_high_it_goes():
     start = {"latitude": "45 deg", "height": "-0.2 m", "speed": "20 m/s"}
     way = [{"climb": "60 s", "rate": "5 m/s"}, {"climb": "10 s", "rate": "-8 m/s"}]
     one = load_mission({"mission": {**start, "segments": way}})
-    line = route_words(one.route)
+    line = line_of(one)
     assert "0 m to 300 m high" in line
     assert "8 m/s up or down" in line
     assert_allclose(one.route.outline.heights, (-0.2, 299.8), rtol=1e-12)
@@ -106,13 +112,13 @@ def test_a_route_east_ends_at_its_longitude():
     way = {"straight": "100 s", "speed": "1000 m/s", "heading": "90 deg"}
     start = {"latitude": "0 deg", "longitude": "179.5 deg"}
     one = load_mission({"mission": {**start, "segments": [way]}})
-    assert "0.0000 N 179.5000 E to 0.0000 N 179.6017 W" in route_words(one.route)
+    assert "0.0000 N 179.5000 E to 0.0000 N 179.6017 W" in line_of(one)
 
 
 def test_the_line_is_shown_everywhere(tmp_path):
     """In validate, mission and report the same, and its numbers in JSON."""
     path = mission(tmp_path, straight())
-    line = route_words(load_mission(path).route)
+    line = line_of(load_mission(path))
     assert "45.0000 N 10.0000 E to 45.0106 N 10.0000 E, 1.18 km in 59 s" in line
     found = tmp_path / "m.json"
     texts = [

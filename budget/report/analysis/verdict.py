@@ -19,7 +19,7 @@ from budget.report.blocks import (
     Section,
     table_of,
 )
-from budget.report.mission import limits_table
+from budget.report.mission import limits_blocks
 from budget.report.readings import verdict_line
 from budget.report.tables import (
     SMALL_SHARE,
@@ -232,11 +232,11 @@ def limits_section(budget: Budget, assessment: Assessment) -> Section:
     ).rstrip()
     sensors = dict.fromkeys(row.output.name.owner for row in assessment.outputs)
     tables = {
-        sensor: limits_table(
+        sensor: limits_blocks(
             budget.settings.coverage,
             assessment,
             [row for row in assessment.outputs if row.output.name.owner == sensor],
-        )
+        )[0]
         if sensor == MISSION
         else _limits_table(assessment, sensor)
         for sensor in sensors

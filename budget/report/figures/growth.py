@@ -22,8 +22,7 @@ from budget.report.figures.style import (
     plane,
     write,
 )
-from budget.report.mission import full_title, length
-from budget.report.tables import print_share, round_uncertainty
+from budget.report.tables import full_title, length, print_share, round_uncertainty
 from budget.results import CEP, R95
 from budget.ties import from_largest
 

@@ -26,13 +26,8 @@ from budget.report.analysis.mission import mission_section
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
 from budget.report.figures.growth import Growth, growth_pictures
-from budget.report.mission import (
-    by_time,
-    contributions_table,
-    motion_table,
-    position_table,
-    unit_for,
-)
+from budget.report.mission import by_time
+from budget.report.tables import unit_for
 from budget.results import Settings
 from budget.spec import (
     load_device,
@@ -82,6 +77,12 @@ def grown():
     return curve(carried().analysis, times)
 
 
+def table_of(budget, name):
+    """Return a table of the section of a mission."""
+    (table,) = (one for one in find(mission_section(budget), Table) if one.name == name)
+    return table
+
+
 def test_the_figure_ends_where_the_table_does():
     """The curve has at its end the CEP, R95 and shares of the law."""
     growth = Growth.of(grown())
@@ -129,7 +130,7 @@ def test_the_section_has_tables_and_both_figures(language):
 
 def test_shares_of_the_table_are_those_of_the_law():
     """Of each time all rows, small ones gathered, make up the whole."""
-    table = contributions_table(by_time(carried()))
+    table = table_of(carried(), "mission-contributions")
     cells = np.array([[c.exact for c in row[1:]] for row in table.groups[0].rows])
     assert_allclose(cells.sum(axis=0), 1.0, rtol=1e-9)
 
@@ -296,7 +297,7 @@ def test_a_column_has_one_unit(sizes):
         else row
         for row in carried().outputs
     ]
-    table = position_table(by_time(replace(carried(), outputs=tuple(rows))))
+    table = table_of(replace(carried(), outputs=tuple(rows)), "mission-position")
     units = {row[-1].text for row in table.groups[0].rows} - {""}
 
     assert units == {"m" if 0.0 < sizes[0] < 1000.0 else "km"}
@@ -311,7 +312,7 @@ def test_heading_has_a_unit_of_its_own():
         else row
         for row in carried().outputs
     ]
-    table = motion_table(by_time(replace(carried(), outputs=tuple(rows))))
+    table = table_of(replace(carried(), outputs=tuple(rows)), "mission-motion")
     (row, _) = table.groups[0].rows
     told = [cell.text for cell in row]
     assert told[-5:] == ["14", "13", "arcsec", "1.4", "deg"]
