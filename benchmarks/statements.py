@@ -2,9 +2,9 @@
 
 Run `python benchmarks/statements.py`, or with `--against REVISION` to set a git
 revision beside it. Rooms are the folders of `budget/`, the files beside them are the
-ground. A statement is an `ast.stmt` that is neither an import nor a docstring: a longer
-line is no fewer of them. Sentences are calls of what says one; of the files in
-`templates/` lines are counted.
+ground, and `examples/` is one. A statement is an `ast.stmt` that is neither an import
+nor a docstring: a longer line is no fewer of them. Sentences are calls of what says
+one; of the files in `templates/` lines are counted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGE, TEMPLATES = "budget", "templates"
+PACKAGE, EXAMPLES, TEMPLATES = TOPS = "budget", "examples", "templates"
 COUNTED = ("statements", "functions", "classes")
 SAYING = ("say", "note", "term", "counted")  # of budget/language.py
 SENTENCES = {"sentences": SAYING}
@@ -57,6 +57,8 @@ def rooms(files: dict[str, str]) -> dict[str, Counter[str]]:
         top, *inside, _ = PurePosixPath(path).parts
         if top == PACKAGE and path.endswith(".py"):
             room, counts = inside[0] if inside else GROUND, count(text)
+        elif top == EXAMPLES and path.endswith(".py"):
+            room, counts = EXAMPLES, count(text)
         elif top == TEMPLATES:
             room, counts = TEMPLATES, Counter({TEMPLATES: len(text.splitlines())})
         else:
@@ -71,7 +73,7 @@ def tree(root: Path) -> dict[str, str]:
     """Return the texts of a checkout by their paths."""
     return {
         path.relative_to(root).as_posix(): path.read_text(encoding="utf-8")
-        for top in (PACKAGE, TEMPLATES)
+        for top in TOPS
         for path in (root / top).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
@@ -80,7 +82,7 @@ def tree(root: Path) -> dict[str, str]:
 def revision(root: Path, name: str) -> dict[str, str]:
     """Return the texts of a git revision by their paths."""
     packed = subprocess.run(
-        ["git", "archive", "--format=tar", name, PACKAGE, TEMPLATES],  # noqa: S607
+        ["git", "archive", "--format=tar", name],  # noqa: S607
         cwd=root,
         capture_output=True,
         check=True,
@@ -89,7 +91,8 @@ def revision(root: Path, name: str) -> dict[str, str]:
         return {
             member.name: stream.read().decode()
             for member in archive
-            if (stream := archive.extractfile(member))
+            if member.name.partition("/")[0] in TOPS
+            and (stream := archive.extractfile(member))
         }
 
 

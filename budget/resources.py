@@ -1,4 +1,4 @@
-"""Where shipped specs, templates and examples are: in the checkout, or in the wheel."""
+"""Where shipped specs and templates are: in the checkout, or in the wheel."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parent
 
 
 def shipped(name: str, *under: str) -> Path:
-    """Return the folder `specs`, `templates` or `examples`, or what is under it.
+    """Return the folder `specs` or `templates`, or what is under it.
 
     In a checkout, an editable install included, they stand beside the package, where
     people edit them; a wheel carries them inside. The copy that an editable install

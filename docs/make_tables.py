@@ -11,6 +11,7 @@ import budget
 from budget.report.schema import results_schema
 from budget.spec.makers import READINGS
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
+from zhao_2019.schema import paper_keys
 
 DOCS = Path(__file__).resolve().parent
 MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
@@ -54,7 +55,7 @@ def names() -> list[str]:
 
 def keys() -> list[str]:
     """Return a table for each kind of object in result documents, top ones first."""
-    schema = results_schema()
+    schema = results_schema(paper_keys)
     top = [ref for part in schema["oneOf"] for ref in part.get("oneOf", [part])]
     first = [_name(ref) for ref in top]
     rows: list[str] = []

@@ -75,7 +75,8 @@ def pytest_collection_modifyitems(items) -> None:
 
 
 # Who draws the figures of every kind of report.
-PAGES = ("analysis.build", "comparison.page", "allocation.page", "paper.page")
+PAGES = ("analysis.build", "comparison.page", "allocation.page")
+PAGES = (*(f"budget.report.{page}" for page in PAGES), "zhao_2019.page")
 DRAWN: dict = {}
 
 
@@ -87,11 +88,11 @@ def drawn_once():
     asked elsewhere.
     """
     for page in PAGES:
-        import_module(f"budget.report.{page}")
+        import_module(page)
     modules = [
         module
         for name, module in sys.modules.items()
-        if name.startswith("budget.report")
+        if name.startswith(("budget.report", "zhao_2019"))
     ]
     found = [
         (module, name, value)

@@ -47,7 +47,7 @@ COMPUTING = (
     "budget.studies.allocation.allocate.allocate",
     "budget.studies.comparison.compare.compare",
     "budget.studies.export.study.export",
-    "budget.studies.paper.study.reproduce",
+    "zhao_2019.study.reproduce",
     "budget.studies.stations.qualify",
 )
 NO_READER = ">&|"  # as a redirection: stdout is a pipe that its reader has closed

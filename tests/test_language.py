@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from command_line import call
 from document_text import find, on_terminal
-from places import PACKAGE
+from places import PACKAGE, SHIPPED
 from report_examples import make_assessment, make_budget
 
 from budget.errors import CallError
@@ -40,7 +40,7 @@ from budget.report.page import SCRIPTS, script_messages
 from budget.report.pages import messages
 from budget.report.wording import say_words
 from budget.resources import shipped
-from budget.studies.paper.printed import load_paper
+from zhao_2019.printed import load_paper
 
 CATALOGUES = [language for language in LANGUAGES if language != "en"]
 # What stays as it is: units, names, keys of files, options and abbreviations.
@@ -87,7 +87,7 @@ def every_message():
     page = "".join(map(shipped_template, ("page.html.j2", "page.css")))
     return {
         message
-        for path in PACKAGE.rglob("*.py")
+        for path in SHIPPED
         for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
     }.union(
         re.findall(r'say\("([^"]*)"', page),

@@ -447,8 +447,11 @@ def schema(
     from budget.references.store import reference_schema
     from budget.report.schema import results_schema
     from budget.spec import json_schema
+    from zhao_2019.schema import paper_keys
 
-    others = {"reference": reference_schema, "results": results_schema}
-    found = others[kind]() if kind in others else json_schema(kind)
+    if kind == "results":
+        found = results_schema(paper_keys)
+    else:
+        found = reference_schema() if kind == "reference" else json_schema(kind)
     with printing():
         typer.echo(dumps(found, indent=2, ensure_ascii=False))

@@ -28,9 +28,9 @@ def paper(
     )
     from budget.language import say, speaking
     from budget.report.document import json_text
-    from budget.report.paper.page import paper_document, paper_sections, to_csv
     from budget.report.rendering import check_suffixes, document_date
-    from budget.studies.paper.study import reproduce
+    from zhao_2019.page import paper_document, paper_sections, to_csv
+    from zhao_2019.study import reproduce
 
     check_destinations(json, csv, *(output or ()))
     pages = output or []

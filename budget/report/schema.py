@@ -77,12 +77,7 @@ from budget.studies.comparison.records import (
     Pair,
     UnknownCap,
 )
-from budget.studies.coupling import Coupling
 from budget.studies.export.study import Export
-from budget.studies.paper.orders import Sweep
-from budget.studies.paper.printed import Finding
-from budget.studies.paper.study import COLUMNS as FINDING
-from budget.studies.paper.study import PaperStudy
 from budget.studies.stations import (
     Qualification,
     StationFigure,
@@ -112,13 +107,14 @@ CHANCE: Node = {  # of what may be unknown
 }
 
 
-def results_schema() -> Node:
+def results_schema(*further: Callable[[Schema], Node]) -> Node:
     """Return the JSON Schema (draft 2020-12) of all that commands write as `--json`.
 
-    A document has no key that it does not name.
+    A document has no key that it does not name. `further` describe those of commands
+    that stand on this package, beside its own studies.
     """
-    schema = _Schema()
-    documents = [make(schema) for make in (_budget, *_STUDIES)]
+    schema = Schema()
+    documents = [make(schema) for make in (_budget, *_STUDIES, *further, *_STORED)]
     return {
         "$schema": DIALECT,
         "title": f"budget result documents ({SCHEMA})",
@@ -127,7 +123,7 @@ def results_schema() -> Node:
     }
 
 
-class _Schema:
+class Schema:
     """Collects the entries that documents are made of."""
 
     def __init__(self) -> None:
@@ -197,7 +193,7 @@ class _Schema:
         if issubclass(origin, abc.Mapping):
             return {"type": "object", "additionalProperties": self.of(inner[1])}
         if origin is list or inner[-1] is Ellipsis:
-            return _many(self.of(inner[0]))
+            return many(self.of(inner[0]))
         return {
             "type": "array",
             "prefixItems": [self.of(one) for one in inner],
@@ -206,7 +202,7 @@ class _Schema:
         }
 
 
-def _many(item: Node) -> Node:
+def many(item: Node) -> Node:
     """Describe any number of things."""
     return {"type": "array", "items": item}
 
@@ -248,22 +244,22 @@ def _hint(record: type, name: str) -> Any:  # noqa: ANN401 - any type
 # ---- what several commands write -----------------------------------------------------
 
 
-def _head(command: str | tuple[str, ...]) -> Node:
+def head_of(command: str | tuple[str, ...]) -> Node:
     """Describe the two keys that every document begins with."""
     commands = [command] if isinstance(command, str) else list(command)
     return {"schema": {"const": SCHEMA}, "command": {"enum": commands}}
 
 
-def _files(schema: _Schema) -> Node:
+def files_of(schema: Schema) -> Node:
     """Describe the files that a result depends on, by their roles."""
     changed = schema.entry("changed_line", Changed, line=str, to=str, **FROM)
-    more: Node = {"changes": _many(changed)}
+    more: Node = {"changes": many(changed)}
     schema.entry("role_and_file", InputFile, "role name sha256", maybe=more)
     file = schema.entry("file", InputFile, "name sha256", maybe=more)
     return {"type": "object", "additionalProperties": file}
 
 
-def _settings(schema: _Schema) -> Node:
+def _settings(schema: Schema) -> Node:
     """Describe what a budget depends on besides its files."""
     maybe = {"outputs", "missing"}
     left_out = {"max_trials", "validate", "matrices", *maybe}
@@ -275,7 +271,7 @@ def _settings(schema: _Schema) -> Node:
     )
 
 
-def _filling(schema: _Schema) -> Node:
+def _filling(schema: Schema) -> Node:
     """Describe what stands for lines that are not given."""
     line = schema.entry(
         "filled_line",
@@ -283,11 +279,11 @@ def _filling(schema: _Schema) -> Node:
         "source stands_for=expected printed unit standard_uncertainty=u devices "
         "designs of=owners interval_50 interval_90",
     )
-    lines = _many(line)
+    lines = many(line)
     return {"mode": str, "filled": lines, "left": list[str]}
 
 
-def _doubt(schema: _Schema) -> Node:
+def _doubt(schema: Schema) -> Node:
     """Describe a verdict that rests on predicted lines."""
     return schema.entry(
         "predicted",
@@ -297,7 +293,7 @@ def _doubt(schema: _Schema) -> Node:
     )
 
 
-def _standing(schema: _Schema) -> Node:
+def _standing(schema: Schema) -> Node:
     """Describe a verdict and what it stands on; the mission is null where none is."""
     condition = schema.entry(
         "condition",
@@ -311,18 +307,18 @@ def _standing(schema: _Schema) -> Node:
         "use": str,
         "mission": str | None,
         "decision": str,
-        "conditions": _many(condition),
+        "conditions": many(condition),
         "cautions": tuple[Caution, ...],
         "utilisation_at_ceilings": _hint(Standing, "at_ceilings"),
     }
 
 
-def _standings(schema: _Schema) -> Node:
+def _standings(schema: Schema) -> Node:
     """Describe verdicts of triads, and of the mission, beside what stands first."""
-    return _many(schema.entry("standing", Standing, sensor=str, **_standing(schema)))
+    return many(schema.entry("standing", Standing, sensor=str, **_standing(schema)))
 
 
-def _readings(schema: _Schema) -> Node:
+def _readings(schema: Schema) -> Node:
     """Describe the verdicts under the readings of lines with an open meaning."""
     one = schema.entry(
         "reading", Reading, "verdict utilisation", readings=dict[str, str]
@@ -331,11 +327,11 @@ def _readings(schema: _Schema) -> Node:
         "reading_verdicts",
         ReadingVerdicts,
         "combinations=total passes",
-        computed=_many(one),
+        computed=many(one),
     )
 
 
-def _judged(schema: _Schema) -> Node:
+def _judged(schema: Schema) -> Node:
     """Describe required outputs against their limits."""
     output = schema.entry(
         "limited_output",
@@ -345,7 +341,7 @@ def _judged(schema: _Schema) -> Node:
         **KEYS,
         maybe={**WHEN, "coverage": float},
     )
-    return _many(output)
+    return many(output)
 
 
 WHEN: Node = {AT_A_TIME: float}  # of what is of a mission
@@ -369,7 +365,7 @@ KEYS: Node = {
 # ---- analyze and report --------------------------------------------------------------
 
 
-def _budget(schema: _Schema) -> Node:
+def _budget(schema: Schema) -> Node:
     """Describe the budget of a calibration; a report adds its further studies."""
     index: Node = dict.fromkeys(("sobol_first", "sobol_total"), float | None)
     contribution = schema.entry(
@@ -392,7 +388,7 @@ def _budget(schema: _Schema) -> Node:
         **KEYS,
         coverage_factor=float | None,
         degrees_of_freedom=float | None,
-        contributions=_many(contribution),
+        contributions=many(contribution),
         validation=_or_none(validation),
         maybe={**WHEN, **dict.fromkeys(OF_A_LENGTH, float), "coverage": float},
     )
@@ -402,7 +398,7 @@ def _budget(schema: _Schema) -> Node:
         "name alignment aided",
         duration=float,
         route=schema.whole("route", Outline),
-        calibrations=_many(
+        calibrations=many(
             schema.entry(
                 "calibrated", Calibrated, "name cep lower_bound worse_than because"
             )
@@ -412,10 +408,10 @@ def _budget(schema: _Schema) -> Node:
                 "filter",
                 Filtered,
                 "kind states updates",
-                learnt=_many(
+                learnt=many(
                     schema.entry("learnt", Learnt, "sensor axis time before after unit")
                 ),
-                believed=_many(
+                believed=many(
                     schema.entry(
                         "believed",
                         BelievedError,
@@ -437,17 +433,17 @@ def _budget(schema: _Schema) -> Node:
         output=str,
         unit=str,
         meets_at_any=bool,
-        steps=_many(step),
+        steps=many(step),
     )
     own = "title not_given assumptions warnings"
     return schema.entry(
         "budget",
         Budget,
         own,
-        **_head(("analyze", "report", "mission")),
-        inputs=_files(schema),
+        **head_of(("analyze", "report", "mission")),
+        inputs=files_of(schema),
         settings=_settings(schema),
-        outputs=_many(output),
+        outputs=many(output),
         quantities={"type": "object", "additionalProperties": _quantity(schema)},
         covariance=JOINT,
         assessment=_or_none(_assessment(schema)),
@@ -460,16 +456,16 @@ def _budget(schema: _Schema) -> Node:
                     for name in ("mission_of_budget", "budget")
                 ]
             ),
-            "readings": _many(_effect(schema)),
+            "readings": many(_effect(schema)),
             "matrices": _matrices(schema),
-            "one_at_a_time": _many(steps),
+            "one_at_a_time": many(steps),
             "allocation": {"$ref": "#/$defs/allocation"},
             "comparison": {"$ref": "#/$defs/comparison"},
         },
     )
 
 
-def _quantity(schema: _Schema) -> Node:
+def _quantity(schema: Schema) -> Node:
     """Describe a specification line; degrees of freedom are null where infinite."""
     return schema.entry(
         "quantity",
@@ -479,12 +475,12 @@ def _quantity(schema: _Schema) -> Node:
     )
 
 
-def _effect(schema: _Schema) -> Node:
+def _effect(schema: Schema) -> Node:
     """Describe what another reading of a line changes; a ratio over 0 is none."""
     return schema.whole("reading_effect", ReadingEffect, ratio=float | None)
 
 
-def _matrices(schema: _Schema) -> Node:
+def _matrices(schema: Schema) -> Node:
     """Describe the compensation matrices of each triad."""
     sized: Node = {"value": MATRIX, "standard_uncertainty": MATRIX}
     bias = schema.entry(
@@ -514,7 +510,7 @@ def _matrices(schema: _Schema) -> Node:
     }
 
 
-def _assessment(schema: _Schema) -> Node:
+def _assessment(schema: Schema) -> Node:
     """Describe a budget held against a requirement."""
     sensor = schema.entry(
         "sensor_verdict",
@@ -534,7 +530,7 @@ def _assessment(schema: _Schema) -> Node:
         Assessment,
         "requirement verdict not_there",
         **CHANCE,
-        sensors=_many(sensor),
+        sensors=many(sensor),
         outputs=_judged(schema),
         caps=tuple[CapAssessment, ...],
     )
@@ -543,7 +539,7 @@ def _assessment(schema: _Schema) -> Node:
 # ---- the other studies ---------------------------------------------------------------
 
 
-def _comparison(schema: _Schema) -> Node:
+def _comparison(schema: Schema) -> Node:
     """Describe a ranking."""
     filling: Node = _filling(schema)
     missing = schema.entry(
@@ -591,19 +587,19 @@ def _comparison(schema: _Schema) -> Node:
         "comparison",
         Comparison,
         f"requirement procedures met=is_met not_compared {SAID}",
-        **_head("compare"),
+        **head_of("compare"),
         caps=dict[str, str],
-        inputs=_many({"$ref": "#/$defs/role_and_file"}),
+        inputs=many({"$ref": "#/$defs/role_and_file"}),
         settings=_settings(schema),
-        devices=_many(device),
-        nothing_known=_many(silent),
-        imus=_many(imu),
-        pairs=_many(pair),
+        devices=many(device),
+        nothing_known=many(silent),
+        imus=many(imu),
+        pairs=many(pair),
         maybe={"mission": str},
     )
 
 
-def _allocation(schema: _Schema) -> Node:
+def _allocation(schema: Schema) -> Node:
     """Describe what each line may be."""
     room = schema.entry(
         "headroom",
@@ -636,7 +632,7 @@ def _allocation(schema: _Schema) -> Node:
         "match",
         Match,
         "name=device file sensor meets extra",
-        lines=_many(line),
+        lines=many(line),
     )
     relaxed: Node = {"output": str, "unit": str, "limit": float, "needed": float}
     check = schema.whole("coverage_check", CoverageCheck, corrected=bool)
@@ -645,8 +641,8 @@ def _allocation(schema: _Schema) -> Node:
         "allocation",
         Allocation,
         f"title feasible not_allocated not_given {SAID}",
-        **_head("allocate"),
-        inputs=_files(schema),
+        **head_of("allocate"),
+        inputs=files_of(schema),
         standings=_standings(schema),
         settings=schema.entry(
             "allocation_settings",
@@ -654,21 +650,21 @@ def _allocation(schema: _Schema) -> Node:
             "strategy seed coverage reference formulas",
             method=str,
         ),
-        sources=_many(source),
-        outputs=_many(output),
-        relaxations=_many(schema.entry("relaxation", LimitedOutput, **relaxed)),
+        sources=many(source),
+        outputs=many(output),
+        relaxations=many(schema.entry("relaxation", LimitedOutput, **relaxed)),
         levers=tuple[LongerTest, ...],
         costs=tuple[CostReport, ...],
-        checks=_many(check),
-        devices=_many(match),
+        checks=many(check),
+        devices=many(match),
         maybe={
             "not_estimated": list[str],
-            "recalibrations": _many(again),
+            "recalibrations": many(again),
         },
     )
 
 
-def _station(schema: _Schema) -> Node:
+def _station(schema: Schema) -> Node:
     """Describe how good the figures of a station must be."""
     figure = schema.entry(
         "station_figure",
@@ -698,7 +694,7 @@ def _station(schema: _Schema) -> Node:
         ratio=float | None,
         worst_output=str | None,
         limiting_source=str | None,
-        outputs=_many(output),
+        outputs=many(output),
     )
     settings = schema.entry(
         "station_settings",
@@ -712,17 +708,17 @@ def _station(schema: _Schema) -> Node:
         "stations",
         Qualification,
         f"title {SAID}",
-        **_head("station"),
+        **head_of("station"),
         standings=_standings(schema),
-        inputs=_files(schema),
+        inputs=files_of(schema),
         settings=settings,
         does=bool,
-        sources=_many(figure),
-        stations=_many(station),
+        sources=many(figure),
+        stations=many(station),
     )
 
 
-def _export(schema: _Schema) -> Node:
+def _export(schema: Schema) -> Node:
     """Describe the figures as a target reads them."""
     row: Node = {"key": str, "sensor": str, "axis": str, "value": float, "unit": str}
     lists: Node = {"from": list[str], "steps": list[str]}
@@ -738,42 +734,15 @@ def _export(schema: _Schema) -> Node:
         "export",
         Export,
         f"title left_out not_held notes {SAID}",
-        **_head("export"),
-        inputs=_files(schema),
+        **head_of("export"),
+        inputs=files_of(schema),
         settings=settings,
-        entries=_many(schema.entry("exported", Export, **row, **lists)),
+        entries=many(schema.entry("exported", Export, **row, **lists)),
         sources=list[str],
     )
 
 
-def _paper(schema: _Schema) -> Node:
-    """Describe the paper beside ours."""
-    finding = schema.entry("finding", Finding, " ".join(FINDING))
-    sweep = schema.entry(
-        "sweep",
-        Sweep,
-        "figure source",
-        parameter=str,
-        size=VECTOR,
-        errors={"type": "object", "additionalProperties": VECTOR},
-    )
-    cell = schema.entry("coupling", Coupling, "source group reaches size")
-    return schema.entry(
-        "paper",
-        PaperStudy,
-        **_head("paper"),
-        title=str,
-        inputs=_files(schema),
-        rows=_many(finding),
-        verdicts=dict[str, str],
-        sweeps=_many(sweep),
-        coupling=_many(cell),
-        assumptions=list[str],
-        warnings=list[str],
-    )
-
-
-def _move(schema: _Schema) -> Node:
+def _move(schema: Schema) -> Node:
     """Describe one number or word that is not what it was."""
     cause = schema.entry("cause", Change, change=str, amount=float)
     return {
@@ -783,13 +752,13 @@ def _move(schema: _Schema) -> Node:
             for key in ("unit", "before", "after", "difference", "relative", "times")
         },
         "sampled": bool,
-        "causes": _many(cause),
+        "causes": many(cause),
         "together": float | None,
         "because": str,
     }
 
 
-def _check(schema: _Schema) -> Node:
+def _check(schema: Schema) -> Node:
     """Describe stored budgets computed again."""
     reference = schema.entry(
         "reference",
@@ -802,27 +771,27 @@ def _check(schema: _Schema) -> Node:
         "check",
         Difference,
         "holds",
-        **_head("check"),
-        references=_many(reference),
-        moved=_many(moved),
+        **head_of("check"),
+        references=many(reference),
+        moved=many(moved),
         errors=list[str],
     )
 
 
-def _diff(schema: _Schema) -> Node:
+def _diff(schema: Schema) -> Node:
     """Describe two budgets side by side."""
     moved = schema.entry("difference_moved", Move, **_move(schema))
     return schema.entry(
         "difference",
         Difference,
         "first second compared changes",
-        **_head("diff"),
+        **head_of("diff"),
         kind=str,
-        moved=_many(moved),
+        moved=many(moved),
     )
 
 
-def _devices(schema: _Schema) -> Node:
+def _devices(schema: Schema) -> Node:
     """Describe the list of devices, or one of them."""
     done: Node = {"given": int, "expected": int}
     lines = schema.entry("completeness", Sensor, **done)
@@ -847,26 +816,25 @@ def _devices(schema: _Schema) -> Node:
         "sensor",
         Sensor,
         "sensor=kind not_given expected_missing",
-        lines=_many(line),
+        lines=many(line),
     )
     whole = schema.entry(
         "device",
         Device,
         f"{texts} source notes range assumptions",
         **head,
-        sensors=_many(sensor),
+        sensors=many(sensor),
         figures=tuple[UnusedValue, ...],
     )
     row: Node = schema.entry("listed_device", Device, texts, **head)
-    many: Node = {"devices": _many(row)}
+    listed: Node = {"devices": many(row)}
     return {
         "oneOf": [
-            schema.entry("device_list", Device, **_head("devices"), **many),
-            schema.entry("one_device", Device, **_head("devices"), device=whole),
+            schema.entry("device_list", Device, **head_of("devices"), **listed),
+            schema.entry("one_device", Device, **head_of("devices"), device=whole),
         ]
     }
 
 
-_STUDIES: tuple[Callable[[_Schema], Node], ...] = (
-    *(_comparison, _allocation, _station, _export, _paper, _check, _diff, _devices),
-)
+_STUDIES = (_comparison, _allocation, _station, _export)
+_STORED = (_check, _diff, _devices)

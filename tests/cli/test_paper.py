@@ -11,11 +11,11 @@ import pytest
 from command_line import call
 from document_text import on_terminal
 
-from budget.report.paper.figures import print_ratio
-from budget.report.paper.page import paper_sections, print_probability, reason
-from budget.studies.paper import study as computing
-from budget.studies.paper.printed import Verdict
-from budget.studies.paper.study import COLUMNS, reproduce
+from zhao_2019 import study as computing
+from zhao_2019.figures import print_ratio
+from zhao_2019.page import paper_sections, print_probability, reason
+from zhao_2019.printed import Verdict
+from zhao_2019.study import COLUMNS, reproduce
 
 CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
 

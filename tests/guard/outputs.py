@@ -240,7 +240,7 @@ def store_of(revision: str, folder: Path, names: list[str]) -> None:
         git = ("git", "-C", str(ROOT), "worktree")
         subprocess.run([*git, "add", "-q", "--detach", tree, revision], check=True)
         try:
-            there = os.pathsep.join(map(str, (tree, tree / "tests")))
+            there = os.pathsep.join(map(str, (tree, tree / "tests", tree / "examples")))
             subprocess.run(
                 [sys.executable, __file__, "store", folder, *names],
                 env=os.environ | {"PYTHONPATH": there},
@@ -315,5 +315,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.path += [str(HERE.parent), str(ROOT)]
+    sys.path += [str(HERE.parent), str(ROOT), str(ROOT / "examples")]
     sys.exit(main())

@@ -14,7 +14,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from packaging.version import Version
-from places import ROOT
+from places import EXAMPLE, ROOT, SHIPPED
 from sources import nodes_of
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -39,14 +39,14 @@ def names(requirements):
 def imported():
     """Return the distributions that the package imports, standard library apart."""
     modules = set()
-    for path in (ROOT / "budget").rglob("*.py"):
+    for path in SHIPPED:
         for node in nodes_of(path):
             if isinstance(node, ast.Import):
                 modules |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
                 modules.add(node.module.split(".")[0])
     # Type checkers bring _typeshed; nothing imports it at run time.
-    outside = modules - sys.stdlib_module_names - {"budget", "_typeshed"}
+    outside = modules - sys.stdlib_module_names - {"budget", EXAMPLE.name, "_typeshed"}
     where = packages_distributions()
     return {canonicalize_name(name) for module in outside for name in where[module]}
 

@@ -7,9 +7,10 @@ import os
 import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
 
 import pytest
-from places import PACKAGE, TESTS
+from places import EXAMPLE, PACKAGE, SHIPPED, TESTS
 from saying import assert_says
 from sources import nodes_of
 
@@ -27,6 +28,7 @@ FLOORS = (
     ("studies",),
     ("references",),
     ("report",),
+    ("zhao_2019",),  # examples of use stand on the package; its commands run them
     ("cli",),
     ("__main__",),
 )
@@ -36,12 +38,14 @@ FACE = "__init__"
 
 
 def room_of(path):
-    """Return the first part of a module's place below the package."""
+    """Return the first part of a module's place below the package, or its example."""
+    if path.is_relative_to(EXAMPLE):
+        return EXAMPLE.name
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
 def imports(path):
-    """Return every module of this package that a file imports, anywhere in it."""
+    """Return every room that a file imports from, anywhere in it."""
     for node in nodes_of(path):
         if isinstance(node, ast.ImportFrom) and node.module:
             parts = node.module.split(".")
@@ -49,13 +53,15 @@ def imports(path):
                 yield from (alias.name for alias in node.names)
             elif parts[0] == "budget":
                 yield parts[1]
+            elif parts[0] == EXAMPLE.name:
+                yield EXAMPLE.name
         elif isinstance(node, ast.Import):
             for alias in node.names:
                 if alias.name.startswith("budget."):
                     yield alias.name.split(".")[1]
 
 
-MODULES = [p for p in sorted(PACKAGE.rglob("*.py")) if room_of(p) != FACE]
+MODULES = [path for path in SHIPPED if room_of(path) != FACE]
 
 
 def upward_imports(paths):
@@ -95,13 +101,15 @@ def test_the_house_checks_can_fail(tmp_path, monkeypatch):
     bad = tmp_path / "methods" / "bad.py"
     bad.parent.mkdir()
     bad.write_text(
-        "import budget.calibration\ndef f():\n    from budget.cli import main\n",
+        "import budget.calibration\ndef f():\n    from budget.cli import main\n"
+        "from zhao_2019.study import reproduce\n",
         encoding="utf-8",
     )
-    # A neighbour on the same floor and the floor above.
+    # A neighbour on the same floor, the floor above, and what stands on the package.
     assert sorted(upward_imports([bad])) == [
         "bad.py imports calibration",
         "bad.py imports cli",
+        "bad.py imports zhao_2019",
     ]
     assert silent_modules([bad]) == ["bad.py"]
 
@@ -128,8 +136,8 @@ def rooms_within(floor):
 FOLDERS = sorted(path.name for path in PACKAGE.iterdir() if path.is_dir())
 # Folders that stand side by side: what two of them need is a room of its own.
 APART = {
-    "report": {"allocation", "analysis", "comparison", "paper", "reference"},
-    "studies": {"allocation", "comparison", "paper"},
+    "report": {"allocation", "analysis", "comparison", "reference"},
+    "studies": {"allocation", "comparison"},
 }
 
 
@@ -168,7 +176,8 @@ def misplaced_tests(tests):
     """
     homes = {}
     for path in MODULES:
-        folder = path.relative_to(PACKAGE).parent
+        is_example = path.is_relative_to(EXAMPLE)
+        folder = Path("examples") if is_example else path.relative_to(PACKAGE).parent
         name = folder.name if path.stem == FACE else path.stem
         homes.setdefault(name, set()).add(folder)
     folders = set().union(*homes.values())
@@ -182,7 +191,7 @@ def misplaced_tests(tests):
 
 
 def test_tests_stand_where_their_modules_do():
-    """The folders of tests/ are those of budget/, and a few for the whole house."""
+    """The folders of tests/ are those of budget/, examples/, and some for the house."""
     assert list(misplaced_tests(TESTS)) == []
 
 

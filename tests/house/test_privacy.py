@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from places import PACKAGE
+from places import ROOT, SHIPPED
 from sources import nodes_of
 from watching import CALLS, watch
 
@@ -54,16 +54,15 @@ def test_the_trace_sees_a_socket(tmp_path):
 def test_only_a_cluster_that_is_asked_for_is_connected_to():
     """One module knows sockets: that of `--cluster`, which says so in its help."""
     knowing = {
-        str(path.relative_to(PACKAGE))
-        for path in SOURCES
+        str(path.relative_to(ROOT))
+        for path in SHIPPED
         if modules_of(path) & {"socket", "urllib", "http", "ssl", "distributed"}
     }
-    assert knowing == {str(Path("methods") / "cluster.py")}
+    assert knowing == {str(Path("budget") / "methods" / "cluster.py")}
 
 
 # ---- data is no code ----------------------------------------------------------------
 
-SOURCES = sorted(PACKAGE.rglob("*.py"))
 FORBIDDEN_NAMES = {"eval", "exec", "compile", "__import__", "input", "breakpoint"}
 FORBIDDEN_MODULES = {
     *("pickle", "marshal", "shelve", "dill", "cloudpickle", "joblib", "subprocess"),
@@ -120,8 +119,8 @@ def code_from_data(path):
 
 def test_nothing_turns_data_into_code():
     """No pickle, eval, exec or other program anywhere in the package."""
-    assert SOURCES
-    found = {path: list(code_from_data(path)) for path in SOURCES}
+    assert SHIPPED
+    found = {path: list(code_from_data(path)) for path in SHIPPED}
     assert {path: faults for path, faults in found.items() if faults} == {}
 
 
@@ -150,7 +149,7 @@ def last_name(called):
 def test_templates_come_from_the_package_alone():
     """Every loader of templates is given the shipped folder, and escapes."""
     loaders, environments = [], []
-    for path in SOURCES:
+    for path in SHIPPED:
         nodes = nodes_of(path)
         # string.Template puts values into places and runs nothing.
         plain = {

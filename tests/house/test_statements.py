@@ -37,6 +37,8 @@ def tree(tmp_path):
         "budget/inner/__init__.py": "",
         "budget/inner/deep/f.py": ROOM,
         "budget/inner/words.po": "no Python",
+        "examples/one/study.py": "a = say(1)\n",
+        "examples/one/printed.yaml": "a: 1",
         "templates/page.j2": "one\ntwo\n",
         "tests/test_f.py": "a = 1\n",
     }
@@ -60,7 +62,8 @@ def test_rooms_are_counted_apart_and_add_up(tree):
     assert numbers(table) == {
         "(ground)": [6, 1, 1, 0, 1, 0, 0],
         "inner": [6, 1, 0, 2, 0, 1, 1],
-        "total": [12, 2, 1, 2, 1, 1, 1],
+        "examples": [1, 0, 0, 1, 0, 0, 0],
+        "total": [13, 2, 1, 3, 1, 1, 1],
         "templates": [2],
     }
     assert max(map(len, table.splitlines())) <= 80
@@ -81,8 +84,9 @@ def test_a_revision_stands_beside_what_is_now(tree):
         "(ground)": [6, 1, 1, 0, 1, 0, 1, 1],
         "inner": [6, 0, 1, 0, 0, 0, 4, 0],
         "outer": [0, 6, 0, 1, 0, 0, 0, 4],
-        "total": [12, 7, 2, 1, 1, 0, 5, 5],
-        "say": [2, 3],
+        "examples": [1, 1, 0, 0, 0, 0, 1, 1],
+        "total": [13, 8, 2, 1, 1, 0, 6, 6],
+        "say": [3, 4],
         "note": [1, 0],
         "term": [1, 1],
         "counted": [1, 1],

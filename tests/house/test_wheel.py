@@ -135,11 +135,12 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
         "budget/_shipped/specs/devices/zhao-2019.yaml",
         "budget/_shipped/specs/references/hg4930-c.json",
         "budget/_shipped/templates/page.html.j2",
-        "budget/_shipped/examples/zhao_2019/printed.yaml",
+        "zhao_2019/printed.yaml",
     ):
         assert needed in names
     roots = {name.partition("/")[0] for name in names}
-    assert roots == {"budget", f"sins_budget-{budget.__version__}.dist-info"}
+    about = f"sins_budget-{budget.__version__}.dist-info"
+    assert roots == {"budget", "zhao_2019", about}
     assert not [name for name in names if "__pycache__" in name]
 
 

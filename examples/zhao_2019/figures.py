@@ -30,9 +30,9 @@ from budget.report.figures.style import (
 )
 from budget.report.tables import print_given
 from budget.report.wording import capital
-from budget.studies.paper.printed import Verdict
 from budget.ties import first_largest
 from budget.units import PPM
+from zhao_2019.printed import Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.report.blocks import Picture, Table
-    from budget.studies.paper.orders import Sweep
-    from budget.studies.paper.study import PaperStudy
+    from zhao_2019.orders import Sweep
+    from zhao_2019.study import PaperStudy
 
 HEIGHT = 190.0  # of a curve [pt]
 DASHES = ("-", "--", ":", "-.")

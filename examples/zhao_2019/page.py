@@ -23,11 +23,12 @@ from budget.report.blocks import (
 from budget.report.document import csv_text, json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.formulas import with_math
-from budget.report.paper.figures import print_ratio, ratio_chart, sweep_picture
 from budget.report.provenance import provenance_section
 from budget.report.tables import print_given, round_uncertainty
 from budget.report.wording import capital, say_words
-from budget.studies.paper.printed import (
+from budget.version import __version__
+from zhao_2019.figures import print_ratio, ratio_chart, sweep_picture
+from zhao_2019.printed import (
     U_MEAN,
     U_SINGLE,
     VALUE,
@@ -35,13 +36,12 @@ from budget.studies.paper.printed import (
     Verdict,
     say_number,
 )
-from budget.studies.paper.study import COLUMNS
-from budget.version import __version__
+from zhao_2019.study import COLUMNS
 
 if TYPE_CHECKING:
     from budget.report.blocks import Block, Table, Words
-    from budget.studies.paper.printed import Finding
-    from budget.studies.paper.study import PaperStudy
+    from zhao_2019.printed import Finding
+    from zhao_2019.study import PaperStudy
 
 COMMAND = "budget paper"
 LEAST_P = 1e-6  # [1]; below it a probability is printed as such

@@ -14,15 +14,15 @@ from budget.names import Name
 from budget.results import input_files
 from budget.spec import load_device, load_procedure
 from budget.spec.records import ErrorLine
-from budget.studies.paper.printed import load_paper
 from budget.units import PPM
+from zhao_2019.printed import load_paper
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.results import InputFile
     from budget.spec.records import Procedure, Sensor
-    from budget.studies.paper.printed import Paper
+    from zhao_2019.printed import Paper
 
 DEVICE = "zhao-2019"  # the shipped files hold the paper's values as printed
 HALF_ULP = 2.0**-53  # spacing of doubles just below 1 [1]

@@ -1,6 +1,6 @@
 """What Zhao 2019 prints, how it may be read, and what is found of it.
 
-The file is examples/zhao_2019/printed.yaml; a finding is a printed number or claim,
+The file is printed.yaml beside this one; a finding is a printed number or claim,
 ours beside it, and a verdict, in the words of that file.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -16,14 +17,13 @@ from pydantic import AfterValidator, Field, model_validator
 from budget.language import note, say, term
 from budget.model.sources import lines_of
 from budget.names import ANGLES, Name
-from budget.resources import shipped
 from budget.spec.checking import check
 from budget.spec.fields import Strict, fault, faults
 from budget.spec.reader import read
 from budget.spec.tree import describe
 from budget.units import NUMBER, PPM
 
-FOLDER, FILE = "zhao_2019", "printed.yaml"
+FILE = Path(__file__).with_name("printed.yaml")
 RUNS = 25  # of each condition, section 3.1
 # In which the text gives an order, and how much of it a relative error of 1 is: the
 # nominal 2 arcsec and 2.5 deg/h of 3.1.
@@ -339,8 +339,7 @@ def load_paper() -> Paper:
     SpecError
         Something is wrong with it, each at its place.
     """
-    path = shipped("examples") / FOLDER / FILE
-    return check(read(path, path.name), Paper)
+    return check(read(FILE, FILE.name), Paper)
 
 
 def agrees_if(condition: bool) -> Verdict:  # noqa: FBT001 - the one thing it asks

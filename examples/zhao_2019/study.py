@@ -16,21 +16,21 @@ from budget.methods.gum import propagate
 from budget.names import AXES, Name
 from budget.results import SCHEMA, inputs_document
 from budget.studies.coupling import CouplingTable, coupling
-from budget.studies.paper.conditions import PLACES, load_conditions, only_sources
-from budget.studies.paper.formulas import formula_findings
-from budget.studies.paper.orders import compute_sweeps, order_findings, sweep_findings
-from budget.studies.paper.printed import Finding, Verdict, say_number
-from budget.studies.paper.readings import MOUNTING, readings
-from budget.studies.paper.table1 import reading_findings, table1_findings
 from budget.units import ARCSEC, DEG_PER_HOUR
+from zhao_2019.conditions import PLACES, load_conditions, only_sources
+from zhao_2019.formulas import formula_findings
+from zhao_2019.orders import compute_sweeps, order_findings, sweep_findings
+from zhao_2019.printed import Finding, Verdict, say_number
+from zhao_2019.readings import MOUNTING, readings
+from zhao_2019.table1 import reading_findings, table1_findings
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.results import InputFile
     from budget.spec.records import Procedure
-    from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.orders import Sweep
-    from budget.studies.paper.printed import Conclusion, Paper
+    from zhao_2019.conditions import Conditions
+    from zhao_2019.orders import Sweep
+    from zhao_2019.printed import Conclusion, Paper
 
 YES, NO = term("affects"), term("no effect")
 COLUMNS = (  # of a finding, in documents

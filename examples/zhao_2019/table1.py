@@ -22,14 +22,14 @@ from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
 from budget.model.sources import GYRO
 from budget.names import ANGLES, AXES, PARAMETERS, Name
-from budget.studies.paper.conditions import (
+from zhao_2019.conditions import (
     HALF_ULP,
     PLACES,
     nominal_size,
     only_sources,
     without_nominal_angles,
 )
-from budget.studies.paper.printed import (
+from zhao_2019.printed import (
     RUNS,
     U_MEAN,
     U_SINGLE,
@@ -38,7 +38,7 @@ from budget.studies.paper.printed import (
     agrees_if,
     say_number,
 )
-from budget.studies.paper.readings import (
+from zhao_2019.readings import (
     MOUNTING,
     SIX_DIGITS,
     STABILITY,
@@ -51,8 +51,8 @@ from budget.studies.paper.readings import (
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
-    from budget.studies.paper.conditions import Conditions, Expectation
-    from budget.studies.paper.readings import Reading
+    from zhao_2019.conditions import Conditions, Expectation
+    from zhao_2019.readings import Reading
 
 REPEATABILITIES = ("bias_repeatability", "scale_factor_repeatability")
 BLOCKS = 10  # of trials drawn for repeats of a mean

@@ -7,10 +7,10 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.stats import chi2, norm
 
-from budget.studies.paper.conditions import PLACES, load_conditions
-from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.readings import LEVEL, fit, order_probability
-from budget.studies.paper.table1 import stated_rows
+from zhao_2019.conditions import PLACES, load_conditions
+from zhao_2019.orders import expectation_of
+from zhao_2019.readings import LEVEL, fit, order_probability
+from zhao_2019.table1 import stated_rows
 
 SIGMAS = 5.0  # of the sampling error that a share may miss by
 

@@ -17,15 +17,15 @@ from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
 from budget.language import note
 from budget.names import ANGLES, AXES
-from budget.studies.paper.printed import Finding, Verdict
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
+from zhao_2019.printed import Finding, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.printed import PrintedFormula
+    from zhao_2019.conditions import Conditions
+    from zhao_2019.printed import PrintedFormula
 
 # All different, so that no misprint can hide behind equal values.
 ANGLE = np.arange(1.0, 7.0) * ARCSEC  # xy xz yx yz zx zy [rad]

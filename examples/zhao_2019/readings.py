@@ -12,7 +12,8 @@ from budget.language import note
 from budget.model.sources import GYRO
 from budget.names import Name
 from budget.problem import Group
-from budget.studies.paper.conditions import (
+from budget.units import DEG_PER_HOUR
+from zhao_2019.conditions import (
     PLACES,
     Expectation,
     expect,
@@ -22,8 +23,7 @@ from budget.studies.paper.conditions import (
     with_lines,
     without_nominal_angles,
 )
-from budget.studies.paper.printed import RUNS, U_MEAN, U_SINGLE
-from budget.units import DEG_PER_HOUR
+from zhao_2019.printed import RUNS, U_MEAN, U_SINGLE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.problem import Problem
     from budget.spec.records import Procedure
-    from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.printed import GivenReading
+    from zhao_2019.conditions import Conditions
+    from zhao_2019.printed import GivenReading
 
 LEVEL = 0.01  # a reading is said to fit from this p on [1]
 SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]

@@ -16,7 +16,8 @@ from budget.earth import ROTATION_RATE
 from budget.language import in_a_row, note, term
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.names import PARAMETERS, Name
-from budget.studies.paper.conditions import (
+from budget.units import STANDARD_GRAVITY
+from zhao_2019.conditions import (
     HALF_ULP,
     PLACES,
     Expectation,
@@ -26,7 +27,7 @@ from budget.studies.paper.conditions import (
     value_of,
     with_lines,
 )
-from budget.studies.paper.printed import (
+from zhao_2019.printed import (
     RUNS,
     U_SINGLE,
     UNITS,
@@ -36,19 +37,18 @@ from budget.studies.paper.printed import (
     agrees_if,
     say_number,
 )
-from budget.studies.paper.readings import (
+from zhao_2019.readings import (
     LEVEL,
     STABILITY,
     best_reading,
     order_probability,
 )
-from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
-    from budget.studies.paper.conditions import Conditions
-    from budget.studies.paper.printed import Parameter, PrintedFigure, PrintedOrders
-    from budget.studies.paper.readings import Reading
+    from zhao_2019.conditions import Conditions
+    from zhao_2019.printed import Parameter, PrintedFigure, PrintedOrders
+    from zhao_2019.readings import Reading
 
 NOISE = Name("sample_noise", owner=ACCELEROMETER)
 PROPORTIONAL = 1e-4  # deviation from a straight line over the largest value [1]

@@ -13,30 +13,29 @@ from scipy.stats import chi2
 
 from budget.calibration.simulation import simulate
 from budget.errors import SpecError
-from budget.resources import shipped
-from budget.studies.paper.conditions import (
+from budget.units import NUMBER
+from zhao_2019.conditions import (
     PLACES,
     load_conditions,
     nominal_size,
     only_sources,
 )
-from budget.studies.paper.formulas import compute_formulas, evaluate
-from budget.studies.paper.orders import expectation_of
-from budget.studies.paper.printed import (
+from zhao_2019.formulas import compute_formulas, evaluate
+from zhao_2019.orders import expectation_of
+from zhao_2019.printed import (
     FILE,
-    FOLDER,
     RUNS,
     Conclusion,
     Verdict,
     load_paper,
 )
-from budget.studies.paper.readings import LEVEL, readings
-from budget.studies.paper.study import (
+from zhao_2019.readings import LEVEL, readings
+from zhao_2019.study import (
     compute_couplings,
     conclusion_findings,
     reproduce,
 )
-from budget.studies.paper.table1 import (
+from zhao_2019.table1 import (
     REPEATS,
     biases_from_angles,
     drawn_means,
@@ -44,7 +43,6 @@ from budget.studies.paper.table1 import (
     stated_rows,
     switched_on,
 )
-from budget.units import NUMBER
 
 pytestmark = pytest.mark.kernels
 
@@ -592,12 +590,11 @@ def test_a_slip_in_the_printed_numbers_is_refused(
     tmp_path, monkeypatch, right, wrong, message
 ):
     """What the paper's file cannot mean is an error at its place, never a number."""
-    text = (shipped("examples") / FOLDER / FILE).read_text(encoding="utf-8")
+    text = FILE.read_text(encoding="utf-8")
     assert right in text
-    folder = tmp_path / FOLDER
-    folder.mkdir()
-    (folder / FILE).write_text(text.replace(right, wrong, 1), encoding="utf-8")
-    monkeypatch.setattr("budget.studies.paper.printed.shipped", lambda _: tmp_path)
+    path = tmp_path / FILE.name
+    path.write_text(text.replace(right, wrong, 1), encoding="utf-8")
+    monkeypatch.setattr("zhao_2019.printed.FILE", path)
     with pytest.raises(SpecError, match=message):
         load_paper()
 

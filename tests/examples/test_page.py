@@ -12,12 +12,12 @@ from pdf_reading import needs_poppler, squeeze, text_of
 from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.document import json_text
 from budget.report.page import render_page
-from budget.report.paper.figures import print_ratio
-from budget.report.paper.page import paper_document, print_ours, printed_cell, reason
 from budget.report.typeset import typeset
 from budget.report.wording import capital
-from budget.studies.paper.printed import Verdict
-from budget.studies.paper.study import reproduce
+from zhao_2019.figures import print_ratio
+from zhao_2019.page import paper_document, print_ours, printed_cell, reason
+from zhao_2019.printed import Verdict
+from zhao_2019.study import reproduce
 
 DATE = "2026-01-31"
 NO_FONTS = ()  # besides the bundled ones

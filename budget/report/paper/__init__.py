@@ -1,1 +1,0 @@
-"""Reproduction of the paper: terminal text, JSON, CSV and a document."""
