@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.language import ENGLISH, say, spoken, term
@@ -12,20 +12,16 @@ from budget.report.blocks import (
     Card,
     Cell,
     Document,
-    Field,
     ForPages,
-    Listing,
     Paragraph,
     Run,
-    Section,
-    table_of,
 )
 from budget.report.document import csv_text, json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.formulas import with_math
+from budget.report.pages import sections
 from budget.report.provenance import provenance_section
 from budget.report.tables import print_given, round_uncertainty
-from budget.report.wording import capital, say_words
 from budget.version import __version__
 from zhao_2019.figures import print_ratio, ratio_chart, sweep_picture
 from zhao_2019.printed import (
@@ -39,18 +35,12 @@ from zhao_2019.printed import (
 from zhao_2019.study import COLUMNS
 
 if TYPE_CHECKING:
-    from budget.report.blocks import Block, Table, Words
+    from budget.report.blocks import Block, Section
     from zhao_2019.printed import Finding
     from zhao_2019.study import PaperStudy
 
 COMMAND = "budget paper"
 LEAST_P = 1e-6  # [1]; below it a probability is printed as such
-OF_FORMULAS = term(
-    "Each formula is fed with the pulses of a sensor without errors, whose six angles "
-    "are 1 to 6 arcsec. $n_(i j)$: pulses of axis $i$ over a turn forward minus those "
-    "back, about z (1), x (2), y (3). $N_i (j)$: mean count of axis $i$, z up (1), z "
-    "down, x up, x down, y up, y down (6)."
-)
 # A printed number, and what it is where it is not the entry itself: 'rms 4.74e-9'.
 PRINTED = re.compile(r"(?P<head>rms |)(?P<number>-?[0-9.]+(?:e-?[0-9]+)?)(?P<tail>.*)")
 # Short, below a number.
@@ -96,129 +86,65 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
 
 def paper_sections(study: PaperStudy) -> tuple[Section, ...]:
     """Return the sections that page and terminal have in common, the answer first."""
-    paper = study.paper
-    open_points = Listing(
-        items=tuple(_said(row) for row in study.unexplained),
-        empty=say("Nothing is left open."),
-    )
-    assumed = Listing(
-        items=tuple((capital(say(text)),) for text in paper.assumptions),
-        empty=say("Nothing: the paper says all that is needed."),
-    )
-    ratios = ForPages(lambda: (chart_picture(ratio_chart(study)),))
-    return (
-        _first("unexplained", say("What nothing explains"), open_points),
-        _first("assumed", say("Assumed"), assumed),
-        replace(
-            _first("ratios", say("Random entries of Table 1"), ratios),
-            in_brief="",
-        ),
-        Section(
-            name="verdicts",
-            title=say("The verdicts"),
-            blocks=(verdict_table(study),),
-        ),
-        *(_section(study, name) for name in paper.sections),
+    return sections(
+        "paper",
+        study=study,
+        paper=study.paper,
+        open_points=[(row, printed_cell(row.printed)) for row in study.unexplained],
+        ratios=ForPages(lambda: (chart_picture(ratio_chart(study)),)),
+        parts=[_part(study, name) for name in study.paper.sections],
+        UNEXPLAINED=Verdict.UNEXPLAINED,
+        WORD=WORD,
+        print_ours=print_ours,
+        print_ratio=print_ratio,
+        print_probability=print_probability,
+        reason=reason,
     )
 
 
-def _first(name: str, title: str, block: Block) -> Section:
-    """Return a section of page one."""
-    return Section(name=name, title=title, blocks=(block,), on_first_page=True)
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One part of the paper, as its page shows it."""
+
+    name: str
+    title: str
+    lead: tuple[Block, ...]  # how to read it, and its figures
+    of_words: bool  # whether nothing in it is a number
+    # Findings by where they stand, each with that, what is printed, and ours.
+    groups: dict[str, list[tuple[Finding, Cell, Cell, Cell]]]
+
+
+def _part(study: PaperStudy, name: str) -> Part:
+    """Gather one part of the paper."""
+    rows = study.of_section(name)
+    of_words = all(row.quantity == WORD for row in rows)
+    groups: dict[str, list[tuple[Finding, Cell, Cell, Cell]]] = {}
+    for row in rows:
+        cells = (
+            _place(row),
+            printed_cell(row.printed),
+            _ours(row, beside=not of_words),
+        )
+        groups.setdefault(row.place[0], []).append((row, *cells))
+    notes = [study.paper.notes[name]] if name in study.paper.notes else []
+    read: tuple[Block, ...] = tuple(
+        Paragraph(words=with_math(say(note))) for note in notes
+    )
+    pictures = ForPages(
+        lambda: (*read, Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
+    )
+    return Part(
+        name=name,
+        title=study.paper.sections[name],
+        lead=(pictures,) if name == "figures" else read,
+        of_words=of_words,
+        groups=groups,
+    )
 
 
 def to_csv(study: PaperStudy) -> str:
     """Write one line for each row, numbers with all their digits."""
     return csv_text(COLUMNS, map(vars, study.findings))
-
-
-def verdict_table(study: PaperStudy) -> Table:
-    """Return how many rows have each verdict, and what it means."""
-    return table_of(
-        study.counts.items(),
-        (
-            Field(
-                head=say("verdict"),
-                cell=lambda count: Cell(
-                    text=say(count[0].value),
-                    strong=count[0] == Verdict.UNEXPLAINED,
-                ),
-            ),
-            Field(
-                head=say("rows"),
-                kind="number",
-                cell=lambda count: Cell(text=str(count[1]), exact=count[1]),
-            ),
-            Field(
-                head=say("meaning"),
-                cell=lambda count: say(study.paper.verdicts[count[0]]),
-            ),
-        ),
-        name="verdict-counts",
-        caption=say("Rows of each verdict and what it means"),
-        is_wide=True,
-    )
-
-
-def findings_table(study: PaperStudy, section: str) -> Table:
-    """Return every finding of one section, without columns that would be empty.
-
-    Grouped by where the findings stand in the paper.
-    """
-    rows = study.of_section(section)
-    kind = "text" if all(row.quantity == WORD for row in rows) else "number"
-    # Formulas are hard to read in pieces; beside numbers all is as wide as it asks.
-    where, formula, why = (0.95, 1.3, 1.2) if section == "formulas" else (1.0,) * 3
-    fields: tuple[Field[Finding], ...] = (
-        Field(head=say("where"), weight=where, cell=_place),
-        Field(
-            head=say("printed"),
-            kind=kind,
-            weight=formula,
-            cell=lambda row: printed_cell(row.printed),
-        ),
-        Field(
-            head=say("ours"),
-            kind=kind,
-            weight=formula,
-            cell=lambda row: _ours(row, kind=kind),
-        ),
-        Field(
-            head=say("ours / printed"),
-            kind="number",
-            cell=lambda row: Cell(text=print_ratio(row.ratio), exact=row.ratio),
-        ),
-        Field(
-            head=say("p, single"),
-            kind="number",
-            cell=lambda row: _probability(row.p_single),
-        ),
-        Field(
-            head=say("p, mean"),
-            kind="number",
-            cell=lambda row: _probability(row.p_mean),
-        ),
-        Field(
-            head=say("verdict, and why"),
-            weight=why,
-            cell=lambda row: Cell(
-                text=say(row.verdict.value),
-                strong=row.verdict == Verdict.UNEXPLAINED,
-                note=reason(row),
-            ),
-        ),
-    )
-    groups = list(dict.fromkeys(row.place[0] for row in rows))
-    return table_of(
-        sorted(rows, key=lambda row: groups.index(row.place[0])),
-        [replace(field, optional=True) for field in fields],
-        name=f"findings-{section.replace(' ', '-')}",
-        caption=say(study.paper.sections[section]),
-        by=lambda row: capital(say(row.place[0])),
-        titled=True,
-        is_wide=True,
-        searchable=True,
-    )
 
 
 def printed_cell(printed: str) -> Cell:
@@ -239,18 +165,13 @@ def _place(row: Finding) -> Cell:
     return Cell(text=head, note="".join(special), strong=strong)
 
 
-def _ours(row: Finding, *, kind: str) -> Cell:
+def _ours(row: Finding, *, beside: bool) -> Cell:
     """Return what came out; words beside numbers are small: the column stays narrow."""
     if not isinstance(row.ours, str):
         note = say(QUANTITIES.get(row.quantity, ""))
         return Cell(text=print_ours(row), exact=row.ours, note=note)
     ours = say(row.ours)
-    return Cell(text="", note=ours) if kind == "number" else Cell(text=ours)
-
-
-def _probability(p: float | None) -> Cell:
-    """Return how probable what is printed is."""
-    return Cell(text=print_probability(p), exact=p)
+    return Cell(text="", note=ours) if beside else Cell(text=ours)
 
 
 def _card(study: PaperStudy, title: str) -> Card:
@@ -269,40 +190,6 @@ def _card(study: PaperStudy, title: str) -> Card:
         for word, number in found.items()
     ]
     return Card(title=say(title), lines=tuple((run,) for run in (total, *lines)))
-
-
-def _said(row: Finding) -> Words:
-    """Say in a line what is printed and what comes out."""
-    printed = printed_cell(row.printed)
-    before = f"{printed.note} " if printed.note else ""
-    exact = None if row.quantity == WORD else float(row.ours)
-    return say_words(
-        "{where}: printed {what}{printed}, ours {ours} ({quantity})",
-        where=capital(say(row.where)),
-        what=before,
-        printed=Run(text=printed.text, exact=printed.exact),
-        ours=Run(text=print_ours(row), exact=exact),
-        quantity=say(row.quantity),
-    )
-
-
-def _section(study: PaperStudy, name: str) -> Section:
-    """Return one part of the paper: how to read it, its figures, its findings."""
-    note = OF_FORMULAS if name == "formulas" else study.paper.notes.get(name, "")
-    blocks: tuple[Block, ...] = ()
-    if note:
-        blocks = (Paragraph(words=with_math(say(note))),)
-    if name == "figures":
-        text = blocks  # on how to read the curves
-        drawing = ForPages(
-            lambda: (*text, Abreast(blocks=tuple(map(sweep_picture, study.sweeps))))
-        )
-        blocks = (drawing,)
-    return Section(
-        name=name.replace(" ", "-"),
-        title=say(study.paper.sections[name]),
-        blocks=(*blocks, findings_table(study, name)),
-    )
 
 
 def print_ours(row: Finding) -> str:
