@@ -13,6 +13,7 @@ that terminal, HTML and PDF show. What it may write:
     | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight; a group of rows
+    | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     {{ block(x) }}                      a block that is made elsewhere: a figure
 
 Sentences stand in `{% trans %}`, whole, with their values as named parts. No value is
@@ -36,6 +37,7 @@ from budget.report.blocks import (
     Cell,
     Column,
     Listing,
+    Pairs,
     Panel,
     Paragraph,
     RowGroup,
@@ -159,7 +161,7 @@ def _blocks(
     caption: SyntaxTreeNode | None = None
     for node in nodes:
         match node.type:
-            case "paragraph" if _text(node).startswith(TABLE):
+            case "paragraph" if _raw(node).startswith(TABLE):
                 caption = node
             case "paragraph":
                 words = _words(node)
@@ -176,8 +178,12 @@ def _blocks(
                     empty="",
                     numbered=node.type == "ordered_list",
                 )
+            case "table" if caption is None and not _text(node.children[0]).strip():
+                rows = (row.children for row in node.children[1].children)
+                yield Pairs(rows=tuple((_text(one), _words(of)) for one, of in rows))
             case "table":
                 yield _table(node, caption)
+                caption = None
 
 
 def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
@@ -188,7 +194,7 @@ def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
     groups: list[tuple[str, list[tuple[Cell, ...]]]] = [("", [])]
     for row in node.children[1].children if len(node.children) > 1 else ():
         cells = tuple(map(_cell, row.children))
-        if cells[0].text.startswith("="):
+        if _raw(row.children[0]).startswith("="):
             groups.append((cells[0].text.removeprefix("=").strip(), []))
         else:
             groups[-1][1].append(cells)
@@ -259,6 +265,11 @@ def _text(node: SyntaxTreeNode) -> str:
         word if isinstance(word, str) else getattr(word, "text", "")
         for word in _words(node)
     )
+
+
+def _raw(node: SyntaxTreeNode) -> str:
+    """Return the text of a node as the page has it: no value begins with a mark."""
+    return "".join(child.content for child in node.children)
 
 
 def _words(node: SyntaxTreeNode) -> Any:  # noqa: ANN401 - words, and marks of cells

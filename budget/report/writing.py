@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import string
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
 # Characters that Markdown may read, in a value: somewhere else while it is read.
 _PLANE = 0xF0000
-_HIDDEN = {ord(one): _PLANE + ord(one) for one in f"{string.punctuation}\n"}
+_HIDDEN = {ord(one): _PLANE + ord(one) for one in f"{string.punctuation} \n"}
 _SHOWN = {there: here for here, there in _HIDDEN.items()}
 
 
@@ -94,9 +94,15 @@ def shown(text: str) -> str:
     return text.translate(_SHOWN)
 
 
-def _commas(texts: Iterable[str]) -> str:
-    """Put texts in a row."""
-    return say(", ").join(texts)
+def _commas(texts: Iterable[str], mark: str = ", ") -> str:
+    """Put texts in a row, with a mark of the language between them."""
+    return say(mark).join(texts)
+
+
+def _each(records: Iterable[Any], write: Callable[[Any], Any]) -> list[Any]:
+    """Return what a macro writes of each record, without the blanks around it."""
+    written = map(write, records)
+    return [one.strip() if isinstance(one, str) else one for one in written]
 
 
 def _semicolons(lines: Markup) -> Markup:
@@ -137,4 +143,5 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "share": print_share,
     "share_bar": share_bar,
     "semicolons": _semicolons,
+    "each": _each,
 }

@@ -7,13 +7,15 @@ from jinja2 import TemplateError
 
 from budget.language import speaking
 from budget.report import pages
-from budget.report.blocks import Cell, Listing, Panel, Paragraph, Run
+from budget.report.blocks import Cell, Listing, Pairs, Panel, Paragraph, Run, Table
 
 # What Markdown, HTML and Jinja2 would read.
 HOSTILE = (
     "**bold** _x_ `code` | cell | # head\n## two {:name wide}\n- point\n1. one",
     "<b>x</b> &amp; [a](b) ![c](d) \\* {{ found }} {% raw %} {# x #}",
     "| = group |\n|---|\n> small\nTable: x",
+    "= a  group",
+    "Table: x {:t}",
 )
 
 
@@ -81,6 +83,30 @@ def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
         Cell(text="1.2", exact=1.23, strong=True),
     )
     assert second[1] == Cell(text="9", share=0.5)
+
+
+def test_a_table_without_heads_and_caption_is_of_terms(page):
+    """With a caption it is a table, and a caption is of one table."""
+    empty = "| | |\n|---|---|\n| a | **b** c |\n| d | {{ x|number(2) }} |\n\n"
+    (section,) = page(
+        f"## T {{:t}}\n\n{empty}Table: it {{:t}}\n\n{empty}{empty}", x=1.5
+    )
+    terms, table, again = section.blocks
+    bold, number = Run(text="b", strong=True), Run(text="1.5", exact=1.5)
+    assert terms == again == Pairs(rows=(("a", (bold, " c")), ("d", (number,))))
+    assert isinstance(table, Table)
+    assert table.caption == "it"
+
+
+def test_a_macro_writes_each_of_several_things(page):
+    """Without the blanks around it, in the marks of the language."""
+    text = (
+        "{% macro one(x) %}\n{{ x }} deg\n\n{% endmacro %}\n## T {:t}\n\n"
+        "{{ x|each(one)|commas }}, {{ x|commas('; ') }}\n"
+    )
+    (section,) = page(text, x=["*", "2"])
+    words = ("* deg, 2 deg, *; 2",)
+    assert section.blocks == (Paragraph(words=words),)
 
 
 @pytest.mark.parametrize("text", HOSTILE)
