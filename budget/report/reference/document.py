@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from budget.report.document import csv_text, json_text
-from budget.report.reference.sections import TOGETHER, cause_texts, together_text
+from budget.report.reference.sections import cause_texts, together_text
 from budget.results import SCHEMA
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def _move(move: Move) -> dict[str, Any]:
     """Return one entry of `moved`."""
     because = [f"{one.key} {part}" for one, part in cause_texts(move)]
     if together := together_text(move):
-        because.append(f"{TOGETHER} {together}")
+        because.append(f"together {together}")
     return {
         "subject": move.item.subject,
         "quantity": move.item.quantity,

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
+from document_text import find
 from saying import assert_says
 
 from budget.references.difference import Cause, Change, Move
 from budget.references.records import Item
+from budget.report.blocks import Listing, Paragraph, Table
 from budget.report.reference.sections import (
     MOST_IDLE,
     MOST_ROWS,
     cause_texts,
-    change_lines,
-    legend,
+    difference_sections,
     move_table,
     print_pair,
 )
@@ -42,6 +45,33 @@ def caused(amounts):
     return changes, tuple(causes)
 
 
+def sections_of(moves=(), changes=()):
+    """Return the page of a difference that has these."""
+    return difference_sections(
+        SimpleNamespace(
+            first="a", second="b", moves=moves, changes=changes, compared=len(moves)
+        )
+    )
+
+
+def rows_of(moves, changes=()):
+    """Return what the table of moves has: title, then label, numbers, causes."""
+    (table,) = find(sections_of(moves, changes)[0], Table)
+    return [
+        (group.title, *(cell.text for cell in row))
+        for group in table.groups
+        for row in group.rows
+    ]
+
+
+def lines_of(changes, *, moved):
+    """Return what is said of changes, where a number moved or none did."""
+    section = sections_of([move()] if moved else (), changes)[0]
+    (listing,) = find(section, Listing)
+    _, *rest = find(section, Paragraph)
+    return [*(words for (words,) in listing.items), *(one.words[0] for one in rest)]
+
+
 @pytest.mark.parametrize(
     ("before", "after", "texts"),
     [
@@ -65,18 +95,17 @@ def test_both_numbers_show_their_difference(before, after, texts):
 def test_axes_that_say_the_same_are_one_row():
     """Three alike are `all`; one that differs stands alone."""
     alike = [move(f"gyro.bias.{axis}") for axis in "xyz"]
-    rows = move_table(alike).rows
-    assert [row.label for row in rows] == ["all"]
-    assert rows[0].title == "Gyro bias, u [deg/h]"
-    rows = move_table([*alike[:2], move("gyro.bias.z", after=2.5)]).rows
-    assert [row.label for row in rows] == ["z", "x, y"]
+    (row,) = rows_of(alike)
+    assert row[:2] == ("Gyro bias, u [deg/h]", "all")
+    rows = rows_of([*alike[:2], move("gyro.bias.z", after=2.5)])
+    assert [label for _, label, *_ in rows] == ["z", "x, y"]
 
 
 def test_names_with_commas_are_told_apart():
     """Devices that say the same are one row, also under 'eq. 4, as printed'."""
     names = ("a.yaml @ eq. 4, as printed", "b.yaml @ eq. 4, as printed")
-    rows = move_table([move(f"{name} gyro") for name in names]).rows
-    assert [row.label for row in rows] == ["; ".join(names)]
+    rows = rows_of([move(f"{name} gyro") for name in names])
+    assert [label for _, label, *_ in rows] == ["; ".join(names)]
 
 
 @pytest.mark.parametrize(
@@ -91,8 +120,7 @@ def test_names_with_commas_are_told_apart():
 )
 def test_groups_and_rows(subject, title, label):
     """A subject is taken apart into what a table is of and what a row is of."""
-    rows = move_table([move(subject)]).rows
-    assert (rows[0].title, rows[0].label) == (title, label)
+    assert rows_of([move(subject)])[0][:2] == (title, label)
 
 
 def test_the_largest_first_and_the_rest_counted():
@@ -102,11 +130,10 @@ def test_the_largest_first_and_the_rest_counted():
         move("gyro.scale_factor.x", after=2.5, unit="ppm"),
         move("gyro.bias.x", "contribution", partner="gyro.bias_stability", after=9.0),
     ]
-    table = move_table(moves)
-    assert [row.title[:10] for row in table.rows] == ["Gyro scale", "Gyro bias,"]
-    assert table.rest == 1
-    (alone,) = move_table(moves[2:]).rows
-    assert_says(alone.title, "gyro bias", "contribution of bias stability", "[deg/h]")
+    assert [row[0][:10] for row in rows_of(moves)] == ["Gyro scale", "Gyro bias,"]
+    assert move_table(moves).rest == 1
+    ((title, *_),) = rows_of(moves[2:])
+    assert_says(title, "gyro bias", "contribution of bias stability", "[deg/h]")
     many = [move(f"a{k}.gyro.bias.x", after=2.0 + k) for k in range(1, 60)]
     table = move_table(many)
     assert len(table.rows) == MOST_ROWS
@@ -133,8 +160,9 @@ def test_a_change_is_of_the_uncertainty_or_of_itself(change, text):
 def test_words_stand_apart():
     """A verdict that moved is a sentence, not a row."""
     word = move("gyro", "verdict", before="meets", after="fails", unit="", scale=None)
+    (listing,) = find(sections_of([word])[0], Listing)
+    assert listing.items == (("Gyro, verdict: meets -> fails",),)
     table = move_table([word])
-    assert table.words == ("Gyro, verdict: meets -> fails",)
     assert (table.rows, table.rest) == ((), 0)
 
 
@@ -143,7 +171,7 @@ def test_a_word_of_a_comparison_names_its_device():
     subject, pair = "my imu.yaml gyro", {"before": "meets", "after": "fails"}
     word = move(subject, "verdict", **pair, unit="", scale=None)
     text = "my imu.yaml gyro, verdict: meets -> fails"
-    assert move_table([word]).words == (text,)
+    assert [one.items for one in find(sections_of([word])[0], Listing)] == [((text,),)]
 
 
 @pytest.mark.parametrize(
@@ -162,8 +190,7 @@ def test_causes(amounts, text):
     """Changes by number, the largest part first; one that is all needs no part."""
     changes, causes = caused(amounts)
     one = move(causes=causes)
-    rows = move_table([one], changes).rows
-    assert rows[0].because == text
+    assert rows_of([one], changes)[0][-1] == text
     assert len(cause_texts(one)) == len(amounts)
 
 
@@ -180,10 +207,10 @@ def test_causes(amounts, text):
 def test_what_parts_leave(amounts, together, text):
     """What the changes do at once beyond their parts is said, above a few per cent."""
     changes, causes = caused(amounts)
-    table = move_table([move(causes=causes, together=together)], changes)
-    assert table.rows[0].because == text
-    (section,) = legend(table.rows)
-    assert ("together:" in section.blocks[0].words[0]) == ("together" in text)
+    moves = [move(causes=causes, together=together)]
+    assert rows_of(moves, changes)[0][-1] == text
+    _, legend = sections_of(moves, changes)
+    assert ("together:" in legend.blocks[0].words[0]) == ("together" in text)
 
 
 @pytest.mark.parametrize(
@@ -194,9 +221,9 @@ def test_no_part_overflows(amount, text):
     """A part a thousand times the difference is short; one beyond any is none."""
     changes, causes = caused([amount])
     one = move(causes=causes, together=amount * 1e10)
-    rows = move_table([one], changes).rows
-    assert rows[0].because.partition(", ")[0] == text
-    assert len(rows[0].because) < 40
+    *_, because = rows_of([one], changes)[0]
+    assert because.partition(", ")[0] == text
+    assert len(because) < 40
 
 
 @pytest.mark.parametrize(
@@ -217,8 +244,8 @@ def test_a_change_that_does_nothing_alone(moved, key, note):
         acts=False,
         is_text=key == "notes",
     )
-    assert change_lines([change], moved=moved) == (f"{change}{note}",)
-    *_, last = change_lines([change] * (MOST_IDLE + 1), moved=moved)
+    assert lines_of([change], moved=moved) == [f"{change}{note}"]
+    *_, last = lines_of([change] * (MOST_IDLE + 1), moved=moved)
     assert ("alone" in last) == ("alone" in note)
 
 
@@ -235,7 +262,7 @@ def test_changes_without_effect_are_counted():
         acts=False,
         is_text=True,
     )
-    lines = change_lines([acting, *[idle] * (MOST_IDLE + 5)], moved=True)
+    lines = lines_of([acting, *[idle] * (MOST_IDLE + 5)], moved=True)
 
     assert lines[0] == "device a.yaml: k: 1 s -> 2 s"
     assert_says(lines[1], "device a.yaml: notes: (not there) -> x", "moves no number")
@@ -250,9 +277,8 @@ def test_changes_without_effect_are_counted():
 def test_a_lower_bound_is_marked(quantity, pair):
     """Where a line lacks, u is this or more, and a conformance this or less."""
     one = move(quantity=quantity, after=2.5, bounds=(False, True))
-    table = move_table([one])
-    (row,) = table.rows
-    assert (row.before, row.after) == pair
-    marked, plain = (legend(rows) for rows in (table.rows, move_table([move()]).rows))
-    assert ">=, <=:" in marked[0].blocks[0].words[0]
-    assert ">=" not in plain[0].blocks[0].words[0]
+    (row,) = rows_of([one])
+    assert row[2:4] == pair
+    marked, plain = (sections_of(moves)[1] for moves in ([one], [move()]))
+    assert ">=, <=:" in marked.blocks[0].words[0]
+    assert ">=" not in plain.blocks[0].words[0]
