@@ -7,24 +7,14 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.copula import normal_scores
-from budget.distributions import (
-    ARCSINE,
-    EXPONENTIAL,
-    NORMAL,
-    TRIANGULAR,
-    UNIFORM,
-    gamma,
-    lognormal,
-    samples,
-    scaled_student_t,
-    student_t,
-)
+from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import ProblemError
 from budget.methods.gum import propagate
 from budget.methods.sobol import sobol
 from budget.methods.trials import first_trials
 from budget.methods.validation import validate
 from budget.problem import Group, Output, Problem
+from jcgm import EXPONENTIAL, gamma, lognormal, samples, scaled_student_t, student_t
 
 PAIR = np.array([[0.0, 1.0], [1.0, 0.0]])
 

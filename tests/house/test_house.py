@@ -114,6 +114,20 @@ def test_the_house_checks_can_fail(tmp_path, monkeypatch):
     assert silent_modules([bad]) == ["bad.py"]
 
 
+def test_no_command_needs_the_extras_of_the_guides():
+    """The package `jcgm` stands on this one, and nothing here on it."""
+    named = {
+        part
+        for path in PACKAGE.rglob("*.py")
+        for node in nodes_of(path)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for part in (getattr(node, "module", None), *(a.name for a in node.names))
+        if part
+    }
+    assert "budget.distributions" in named
+    assert not [name for name in named if name.split(".")[0] == "jcgm"]
+
+
 def rooms_within(floor):
     """Return which rooms of a folder each of its rooms imports, anywhere in it."""
     folder = PACKAGE / floor
@@ -164,8 +178,9 @@ def test_a_circle_of_rooms_is_seen(tmp_path, monkeypatch):
         list(TopologicalSorter(rooms_within("report")).static_order())
 
 
-# What is of no one module: the house itself, its documents, faults and hostile files.
-WHOLE = {"house", "docs", "faults", "fuzz", "guard"}
+# What is of no one module: the house itself, its documents, faults and hostile files,
+# the package jcgm.
+WHOLE = {"house", "docs", "faults", "fuzz", "guard", "extras"}
 
 
 def misplaced_tests(tests):

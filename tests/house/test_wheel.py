@@ -131,6 +131,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
 
     for needed in (
         "budget/py.typed",
+        "jcgm/py.typed",
         "budget/languages/zh.po",
         "budget/_shipped/specs/devices/zhao-2019.yaml",
         "budget/_shipped/specs/references/hg4930-c.json",
@@ -140,7 +141,7 @@ def test_wheel_holds_what_it_needs_and_no_more(wheel):
         assert needed in names
     roots = {name.partition("/")[0] for name in names}
     about = f"sins_budget-{budget.__version__}.dist-info"
-    assert roots == {"budget", "zhao_2019", about}
+    assert roots == {"budget", "jcgm", "zhao_2019", about}
     assert not [name for name in names if "__pycache__" in name]
 
 

@@ -11,15 +11,7 @@ from numpy.testing import assert_allclose
 from scipy import stats
 from scipy.integrate import quad
 
-from budget.distributions import (
-    NORMAL,
-    TRIANGULAR,
-    UNIFORM,
-    gamma,
-    lognormal,
-    samples,
-    scaled_student_t,
-)
+from budget.distributions import NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import CallError
 from budget.methods.decisions import (
     acceptance_interval,
@@ -29,6 +21,7 @@ from budget.methods.decisions import (
     global_risks,
     specific_guard_band,
 )
+from jcgm import gamma, lognormal, samples, scaled_student_t
 
 BEARINGS = {"mean": 1.0, "u": 0.5, "u_measurement": 0.25, "distribution": gamma(4.0)}
 

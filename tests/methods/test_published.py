@@ -7,8 +7,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
-from budget.distributions import NORMAL, UNIFORM, student_t
+from budget.distributions import NORMAL, UNIFORM
 from budget.methods.validation import validate
+from jcgm import student_t
 
 pytestmark = pytest.mark.kernels
 

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 import budget
 from budget.calibration.problem import calibration_problem
-from budget.distributions import NORMAL, UNIFORM, student_t
+from budget.distributions import NORMAL, UNIFORM
 from budget.errors import CallError, ProblemError, SpecError
 from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
@@ -28,6 +28,7 @@ from budget.studies.analysis import analyze
 from budget.studies.conformity import assess
 from budget.studies.verdicts import cautions_of_device
 from budget.units import DEG_PER_HOUR, MICRO_G
+from jcgm import student_t
 
 
 def device(*sensors, name="test device"):

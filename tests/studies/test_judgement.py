@@ -21,7 +21,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM, student_t
+from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.methods.gum import propagate
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
@@ -49,6 +49,7 @@ from budget.studies.judgement import (
 from budget.studies.request import Analysis
 from budget.studies.sweep import sweep
 from budget.studies.what_if import what_if
+from jcgm import student_t
 
 K95 = float(ndtri(0.975))
 SEEDS = 300
