@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
+from budget.errors import moved
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable
 
@@ -154,9 +156,5 @@ if not TYPE_CHECKING:  # where a module has __getattr__, mypy believes in every 
     def __getattr__(name: str) -> object:
         """Say where the shapes are that stood here."""
         if name in MOVED:
-            raise ImportError(
-                f"budget.distributions.{name} is jcgm.{name} now: `import jcgm`, which "
-                "is installed with budget (docs/problems.md)",
-                name=name,
-            )
+            raise moved(name, __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

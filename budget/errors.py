@@ -65,3 +65,12 @@ class OutputError(BudgetError):
 
 class ReferenceFileError(BudgetError):
     """A stored reference budget cannot be read or be computed again."""
+
+
+def moved(name: str, module: str) -> ImportError:
+    """Return what says where a name of a module is, of those that jcgm has now."""
+    return ImportError(
+        f"{module}.{name} is jcgm.{name} now: `import jcgm`, which is installed with "
+        "budget (docs/problems.md)",
+        name=name,
+    )

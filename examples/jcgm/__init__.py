@@ -1,9 +1,22 @@
 """What the guides offer beside budgets of sensors, for models of one's own.
 
-Shapes of inputs that no device file names, on top of `budget`: no command needs them.
+Shapes of inputs that no device file names, joint coverage regions of several outputs,
+decisions on single items and guard bands, on top of `budget`: no command needs them.
 With examples in docs/problems.md; the sources are those of the package `budget`.
 """
 
+from jcgm.decisions import (
+    conformance_probability,
+    decide,
+    global_guard_band,
+    specific_guard_band,
+)
+from jcgm.regions import (
+    box_region,
+    ellipsoid_region,
+    normal_region,
+    smallest_region,
+)
 from jcgm.shapes import (
     EXPONENTIAL,
     beta,
@@ -20,12 +33,20 @@ from jcgm.shapes import (
 __all__ = [
     "EXPONENTIAL",
     "beta",
+    "box_region",
+    "conformance_probability",
     "curvilinear_trapezoid",
+    "decide",
+    "ellipsoid_region",
     "from_quantile",
     "gamma",
+    "global_guard_band",
     "lognormal",
+    "normal_region",
     "samples",
     "scaled_student_t",
+    "smallest_region",
+    "specific_guard_band",
     "student_t",
     "trapezoidal",
 ]

@@ -11,8 +11,6 @@ from numpy.testing import assert_allclose
 from scipy import stats
 from scipy.integrate import quad
 
-import budget.distributions
-import jcgm
 from budget.distributions import ARCSINE, LEAST, MOST, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import ProblemError
 from budget.methods.gum import propagate
@@ -208,17 +206,6 @@ def test_what_is_no_shape_is_refused(make, words):
     """Each refusal says what is allowed."""
     with pytest.raises(ProblemError, match=words):
         make()
-
-
-@pytest.mark.parametrize("name", budget.distributions.MOVED)
-def test_a_shape_that_moved_says_where_it_is(name):
-    """The old place names the new one, where the shape is; a slip is a slip."""
-    with pytest.raises(
-        ImportError, match=rf"{name} is jcgm\.{name} now: `import jcgm`"
-    ):
-        getattr(budget.distributions, name)
-    assert name in jcgm.__all__
-    assert not hasattr(budget.distributions, name + "s")
 
 
 def bent(shape, *, c, h, u=0.3):

@@ -9,8 +9,9 @@ from scipy import stats
 from scipy.optimize import brentq
 
 import budget
+import jcgm
 from budget.errors import CallError, ProblemError
-from budget.methods.regions import (
+from jcgm import (
     box_region,
     ellipsoid_region,
     normal_region,
@@ -166,9 +167,9 @@ def test_trials_of_a_problem_go_in_as_they_come():
         function=lambda x: np.stack([x[0], x[1], x[0] + x[1]]),
     )
     y = budget.first_trials(problem, trials=20_000, seed=1)
-    assert_allclose(budget.box_region(y).contains(y).mean(), 0.95, rtol=1e-3)
+    assert_allclose(jcgm.box_region(y).contains(y).mean(), 0.95, rtol=1e-3)
     with pytest.raises(ProblemError, match=r"outputs 0, 1, 2 .* linearly dependent"):
-        budget.ellipsoid_region(y)
+        jcgm.ellipsoid_region(y)
 
 
 @pytest.mark.parametrize(
