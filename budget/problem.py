@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from budget.arrays import Array, root_of_correlation
-from budget.copula import normal_scores, quantiles_of_scores
 from budget.distributions import NORMAL, Distribution
 from budget.errors import ProblemError
 from budget.names import Name, as_name
@@ -49,8 +48,7 @@ class Group:
     covariance : ndarray, shape (n, n)
         Covariance within the group [SI squared]; groups are independent.
     distributions : tuple of Distribution, length n
-        Shapes; correlated inputs of other shapes than normal are joined by a Gaussian
-        copula (budget.copula) that meets the covariance.
+        Shapes; correlated inputs are normal.
     pool : str
         Groups of one pool enter the function as the sum of their rows and in no other
         way; '' of a group that enters on its own.
@@ -59,7 +57,7 @@ class Group:
     ------
     ProblemError
         Shapes do not fit, the covariance is no covariance (JCGM 102:2011, 5.2.1: it is
-        positive semidefinite), or inputs of these shapes cannot have it.
+        positive semidefinite), or inputs are correlated that are not normal.
     """
 
     name: Name
@@ -103,8 +101,12 @@ class Group:
         if (np.abs(self.covariance) > np.outer(scale, scale) + slack).any():
             raise ProblemError(f"{where}: a correlation is larger than 1")
         _ = self.factor  # says no to a covariance that has none
-        if self.has_copula:
-            _ = self.scores_factor  # and to one that these shapes cannot have
+        if not self.is_independent and any(d != NORMAL for d in self.drawn):
+            raise ProblemError(
+                f"{where}: inputs are correlated that are not all normal; a covariance "
+                "does not say their joint distribution. Take jcgm.Copula in the place "
+                "of Group (docs/problems.md), or normal inputs"
+            )
 
     @classmethod
     def independent(
@@ -178,7 +180,7 @@ class Group:
         u = np.sqrt(np.diag(self.covariance))
         if self.is_independent:
             return np.diag(u)
-        root, least = _root(self._correlation, scale=u)
+        root, least = checked_root(self.correlation, scale=u)
         if root is None:
             # R of least eigenvalue l < 0: that of (1 - s) I + s R is 1 - s + s l.
             raise ProblemError(
@@ -190,47 +192,23 @@ class Group:
             )
         return root
 
-    @cached_property
-    def has_copula(self) -> bool:
-        """Whether inputs are correlated that are not all normal."""
-        return not self.is_independent and any(d != NORMAL for d in self.distributions)
+    @property
+    def drawn(self) -> tuple[Distribution, ...]:
+        """Shapes of the independent variates that `deviations` takes."""
+        return self.distributions
 
-    @cached_property
-    def scores_factor(self) -> Array:
-        """Matrix L, shape (n, n): L z are the normal scores of the inputs [1].
-
-        Raises
-        ------
-        ProblemError
-            The shapes cannot have the covariance, two of them or all together.
-        """
-        where = f"input group {self.name!r}"
-        needed = normal_scores(self._correlation, self.distributions, where=where)
-        root, least = _root(needed, scale=np.ones(self.size))
-        if root is None:
-            raise ProblemError(
-                f"{where}: a Gaussian copula of these shapes cannot have these "
-                f"correlations: those of its scores have the eigenvalue {least:.3g}, "
-                "expected 0 or more; make the correlations smaller"
-            )
-        return root
-
-    def of_normals(self, z: Array) -> Array:
-        """Return deviations from the mean, shape (n, trials) [SI], by the copula.
+    def deviations(self, z: Array) -> Array:
+        """Return deviations from the mean, shape (n, trials) [SI].
 
         Parameters
         ----------
         z : ndarray, shape (n, trials)
-            Independent unit normal variates.
+            Independent variates of the shapes `drawn`, of unit standard uncertainty.
         """
-        x = self.scores_factor @ z
-        u = np.sqrt(np.diag(self.covariance))
-        for u_x, shape, row in zip(u, self.distributions, x, strict=True):
-            row[:] = u_x * quantiles_of_scores(shape, row)
-        return np.asarray(x)
+        return self.factor @ z
 
     @property
-    def _correlation(self) -> Array:
+    def correlation(self) -> Array:
         """Correlation matrix, shape (n, n); rows of 0 for what does not vary."""
         u = np.sqrt(np.diag(self.covariance))
         safe = np.where(u > 0.0, u, 1.0)
@@ -570,7 +548,7 @@ def _records(
     return found
 
 
-def _root(correlation: Array, *, scale: Array) -> tuple[Array | None, float]:
+def checked_root(correlation: Array, *, scale: Array) -> tuple[Array | None, float]:
     """Return diag(scale) R^(1/2), None where there is none, and the least eigenvalue.
 
     The eigenvalue is found only where the root does not give the correlation back, else

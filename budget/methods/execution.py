@@ -63,16 +63,11 @@ def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
             x[:] = group.mean[:, None]
             continue
         rng = stream(seed, group.name, block)
-        if group.has_copula:
-            rng.standard_normal(out=x)
-            x[:] = group.of_normals(x)
-            x += group.mean[:, None]
-            continue
         _draw_unit(group, rng, x)
         if group.is_independent:
             x *= np.diag(group.factor)[:, None]
         else:
-            x[:] = group.factor @ x
+            x[:] = group.deviations(x)
         if group.mean.any():
             x += group.mean[:, None]
     return out
@@ -84,12 +79,12 @@ def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
     Normal ones by numpy's own method. In a group with any other shape every input is
     the quantile of one uniform number, so that no input's shape moves another's draws.
     """
-    if all(shape == NORMAL for shape in group.distributions):
+    if all(shape == NORMAL for shape in group.drawn):
         rng.standard_normal(out=out)
         return
     rng.random(out=out)
     np.maximum(out, LEAST, out=out)
-    for shape, row in zip(group.distributions, out, strict=True):
+    for shape, row in zip(group.drawn, out, strict=True):
         row[:] = shape.quantile(row)
 
 

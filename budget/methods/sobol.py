@@ -20,7 +20,6 @@ from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 
-from budget.distributions import NORMAL
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import in_order, local_executor, small_blocks
 from budget.methods.gum import propagate
@@ -348,12 +347,9 @@ def _inputs(problem: Problem, points: Array) -> Array:
     """Map points of the unit cube, shape (n_inputs, N), to inputs [SI]."""
     x = np.clip(points, EDGE, 1.0 - EDGE)
     for group, rows in zip(problem.groups, problem.slices, strict=True):
-        if group.has_copula:
-            x[rows] = group.of_normals(NORMAL.quantile(x[rows])) + group.mean[:, None]
-            continue
-        for row, shape in zip(x[rows], group.distributions, strict=True):
+        for row, shape in zip(x[rows], group.drawn, strict=True):
             row[:] = shape.quantile(row)
-        x[rows] = group.factor @ x[rows] + group.mean[:, None]
+        x[rows] = group.deviations(x[rows]) + group.mean[:, None]
     return x
 
 

@@ -1,10 +1,12 @@
 """What the guides offer beside budgets of sensors, for models of one's own.
 
-Shapes of inputs that no device file names, joint coverage regions of several outputs,
-decisions on single items and guard bands, on top of `budget`: no command needs them.
+Shapes of inputs that no device file names, correlated inputs of any shape, joint
+coverage regions of several outputs, decisions on single items and guard bands, on top
+of `budget`: no command needs them.
 With examples in docs/problems.md; the sources are those of the package `budget`.
 """
 
+from jcgm.copula import Copula
 from jcgm.decisions import (
     conformance_probability,
     decide,
@@ -32,6 +34,7 @@ from jcgm.shapes import (
 
 __all__ = [
     "EXPONENTIAL",
+    "Copula",
     "beta",
     "box_region",
     "conformance_probability",

@@ -20,6 +20,7 @@ from budget.methods.sobol import sobol
 from budget.problem import Group, Output, Problem
 from jcgm import (
     EXPONENTIAL,
+    Copula,
     beta,
     curvilinear_trapezoid,
     from_quantile,
@@ -277,7 +278,7 @@ def test_workers_draw_every_shape_and_copula_alike():
     shapes = (samples(READINGS), from_quantile(logistic), gamma(2.0))
     problem = Problem(
         groups=(
-            Group(
+            Copula(
                 name="x",
                 mean=np.zeros(3),
                 covariance=0.7 * np.eye(3) + 0.3,

@@ -20,7 +20,6 @@ FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "resources", "ties", "journal"),
     ("units", "language"),
     ("distributions",),
-    ("copula",),
     ("problem", "model", "navigation"),
     ("spec",),
     ("results",),

@@ -14,6 +14,8 @@ For uniform x it is r = 6/pi asin(rho/2).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite, pi
 from typing import TYPE_CHECKING
 
@@ -21,6 +23,7 @@ import numpy as np
 
 from budget.distributions import LEAST, MOST, NORMAL
 from budget.errors import ProblemError
+from budget.problem import Group, checked_root
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -31,6 +34,66 @@ REACH = 8.25  # of a score, where its probability is the least that a double has
 PANELS, NODES = 512, 8  # of the quadrature over scores
 BISECTIONS = 60
 ROUNDING = 1e-9  # [1] of a correlation at the end of what the shapes allow
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Copula(Group):
+    """Correlated inputs of any shapes, drawn by a Gaussian copula.
+
+    As a Group, of which it takes the place in a Problem; without a correlation, or of
+    normal inputs alone, it is drawn as one. The law counts with its covariance.
+
+    Raises
+    ------
+    ProblemError
+        As of a Group, or the shapes cannot have the covariance.
+    """
+
+    def __post_init__(self) -> None:
+        """Check the group, and that its shapes can have the covariance."""
+        super().__post_init__()
+        if self.is_joined:
+            _ = self.scores_factor
+
+    @cached_property
+    def is_joined(self) -> bool:
+        """Whether inputs are correlated that are not all normal."""
+        return not self.is_independent and any(d != NORMAL for d in self.distributions)
+
+    @property
+    def drawn(self) -> tuple[Distribution, ...]:
+        """Shapes of the independent variates that `deviations` takes."""
+        return (NORMAL,) * self.size if self.is_joined else self.distributions
+
+    @cached_property
+    def scores_factor(self) -> Array:
+        """Matrix L, shape (n, n): L z are the normal scores of the inputs [1].
+
+        Raises
+        ------
+        ProblemError
+            The shapes cannot have the covariance, two of them or all together.
+        """
+        where = f"input group {self.name!r}"
+        needed = normal_scores(self.correlation, self.distributions, where=where)
+        root, least = checked_root(needed, scale=np.ones(self.size))
+        if root is None:
+            raise ProblemError(
+                f"{where}: a Gaussian copula of these shapes cannot have these "
+                f"correlations: those of its scores have the eigenvalue {least:.3g}, "
+                "expected 0 or more; make the correlations smaller"
+            )
+        return root
+
+    def deviations(self, z: Array) -> Array:
+        """Return deviations from the mean, shape (n, trials) [SI]: see Group."""
+        if not self.is_joined:
+            return super().deviations(z)
+        x = self.scores_factor @ z
+        u = np.sqrt(np.diag(self.covariance))
+        for u_x, shape, row in zip(u, self.distributions, x, strict=True):
+            row[:] = u_x * quantiles_of_scores(shape, row)
+        return np.asarray(x)
 
 
 def quantiles_of_scores(shape: Distribution, scores: Array) -> Array:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from budget.copula import normal_scores
 from budget.distributions import ARCSINE, NORMAL, TRIANGULAR, UNIFORM
 from budget.errors import ProblemError
 from budget.methods.gum import propagate
@@ -15,7 +16,9 @@ from budget.methods.trials import first_trials
 from budget.methods.validation import validate
 from budget.problem import Group, Output, Problem
 from jcgm import EXPONENTIAL, gamma, lognormal, samples, scaled_student_t, student_t
+from jcgm.copula import Copula, normal_scores
 
+FIELDS = ("name", "mean", "covariance", "distributions")
 PAIR = np.array([[0.0, 1.0], [1.0, 0.0]])
 
 
@@ -30,7 +33,7 @@ def problem(correlation, shapes, *, u=1.0, function=np.copy, outputs=None):
     size = np.broadcast_to(u, len(R))
     return Problem(
         groups=(
-            Group(
+            Copula(
                 name="x",
                 mean=np.arange(len(R)) + 1.0,
                 covariance=R * np.outer(size, size),
@@ -193,4 +196,27 @@ def test_a_group_takes_a_copula_only_where_it_must(shapes):
     """Jointly normal inputs and uncorrelated ones are drawn as they always were."""
     r = 0.5 if shapes[0] == NORMAL else 0.0
     (group,) = problem(np.eye(2) + r * PAIR, shapes).groups
-    assert not group.has_copula
+    assert group.drawn == shapes
+    plain = Group(**{name: getattr(group, name) for name in FIELDS})
+    for one, other in zip(
+        *(
+            (first_trials(case, trials=100), sobol(case, samples=64).first.value)
+            for case in (
+                replace(problem(np.eye(2), shapes), groups=(this,))
+                for this in (group, plain)
+            )
+        ),
+        strict=True,
+    ):
+        assert_allclose(one, other, rtol=0)
+
+
+def test_a_group_without_a_copula_refuses_correlated_shapes():
+    """A covariance does not say how they go together; the refusal says what does."""
+    with pytest.raises(ProblemError, match=r"'x'.* not all normal.*jcgm\.Copula"):
+        Group(
+            name="x",
+            mean=[0.0, 0.0],
+            covariance=[[1.0, 0.5], [0.5, 1.0]],
+            distributions=(NORMAL, UNIFORM),
+        )
