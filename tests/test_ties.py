@@ -9,13 +9,13 @@ import pytest
 from report_examples import make_assessment, make_budget
 
 from budget.names import Name
-from budget.report.allocation.words import print_stop
 from budget.report.analysis.verdict import verdict_cards
 from budget.report.figures.outputs import utilisation_title
 from budget.report.tables import (
     join_outputs,
     print_given,
     print_share,
+    print_stop,
     print_utilisation,
     round_uncertainty,
     round_value,

@@ -13,10 +13,10 @@ from budget.distributions import NORMAL
 from budget.language import say, term
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
-from budget.report.allocation.words import CEILING, DASH, DIGITS
+from budget.report.allocation.words import CEILING
 from budget.report.document import csv_text
 from budget.report.pages import sections
-from budget.report.tables import Number, print_given, print_three
+from budget.report.tables import DASH, DIGITS, Number, print_given, print_three
 from budget.studies.request import given_lines
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import settle

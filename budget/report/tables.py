@@ -48,6 +48,8 @@ HALF_DIGIT = 5e-3  # half of the last digit of a probability of two decimals [1]
 ROUNDING = 1e-9  # [1] of divisors and degrees of freedom
 MORE_DIGITS = 4  # at the most, to tell on which side of a limit a number is
 NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
+DASH = "-"  # nothing to say
+DIGITS = 3  # of an allocated value: it is a specification, not a measurement
 HEADING = "heading"
 # Units that an error is read in, the first one up to the next [SI]. Heading by itself,
 # which may be a hundred times tilt.
@@ -503,6 +505,11 @@ def join_outputs(names: Sequence[Name]) -> str:
         ]
         + [key_title(name) for name in names if name.time is not None]
     )
+
+
+def print_stop(names: Sequence[Name], of: str = "") -> str:
+    """Name outputs, those of that sensor without it; a dash where there are none."""
+    return join_outputs([name.within(of) for name in names]) or DASH
 
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:

@@ -10,14 +10,16 @@ from markupsafe import Markup
 
 from budget.language import Note, key_title, say, words
 from budget.names import time_text
-from budget.report.allocation.words import DASH, DIGITS, print_stop
 from budget.report.tables import (
+    DASH,
+    DIGITS,
     full_title,
     join_outputs,
     print_count,
     print_coverage,
     print_given,
     print_share,
+    print_stop,
     print_three,
     print_utilisation,
     round_uncertainty,

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from budget.language import key_title, say
 from budget.report.allocation.words import (
-    DIGITS,
     IDLE,
     NONE,
     part_title,
@@ -26,7 +25,7 @@ from budget.report.figures.rows import (
     Side,
 )
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, look_of
-from budget.report.tables import print_given, source_title
+from budget.report.tables import DIGITS, print_given, source_title
 from budget.report.wording import capital
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from budget.names import MISSION, by_group
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
 from budget.report.allocation.words import (
-    DASH,
     IDLE,
     in_units,
     part_title,
@@ -22,6 +21,7 @@ from budget.report.allocation.words import (
 from budget.report.blocks import Abreast, ForPages
 from budget.report.figures.rows import chart_picture
 from budget.report.pages import sections
+from budget.report.tables import DASH
 from budget.studies.allocation.records import FREE
 
 if TYPE_CHECKING:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 from budget.language import say, term
 from budget.report.tables import (
+    DASH,
+    DIGITS,
     Number,
     bound_number,
-    join_outputs,
     print_given,
+    print_stop,
     print_utilisation,
     source_title,
 )
@@ -28,11 +30,9 @@ if TYPE_CHECKING:
         SourceAllotment,
     )
 
-DASH = "-"  # nothing to say
 NONE = term("none")  # no value would do
 IDLE = term("counts nothing here")
 CEILING = term("its ceiling")
-DIGITS = 3  # of an allocated value: it is a specification, not a measurement
 TAKERS = 3  # sources that are named where a limit cannot be met, at the most
 TAKEN = 0.01  # part of the squared limit from which one is named [1]
 
@@ -55,11 +55,6 @@ def print_headroom(row: SourceAllotment) -> tuple[str, str]:
     stops = room.stopped_by
     stop = print_stop(stops, row.source.owner) if stops else say(CEILING)
     return up_to if room.value else say(NONE), stop
-
-
-def print_stop(names: Sequence[Name], of: str = "") -> str:
-    """Name outputs, those of that sensor without it; a dash where there are none."""
-    return join_outputs([name.within(of) for name in names]) or DASH
 
 
 def print_part(part: float) -> str:
