@@ -157,7 +157,8 @@ class _Stationary(_InRows):
 
     def of_kinds(self, schedule: Schedule, weights: Array) -> Array | None:
         """Return W C W^T by kinds, shape (p, k, k); None where it is no gain."""
-        if weights.shape[1] <= ROWS:
+        apart = np.unique(schedule.starts).size == len(schedule.starts)
+        if weights.shape[1] <= ROWS or not apart:
             return None
         digits = np.round(weights / (np.abs(weights).max() or 1.0), ALIKE) + 0.0
         both = np.column_stack([schedule.lengths, digits.T])

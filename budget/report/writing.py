@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
 # Characters that Markdown may read, in a value: somewhere else while it is read.
 _PLANE = 0xF0000
-_HIDDEN = {ord(one): _PLANE + ord(one) for one in f"{string.punctuation} \n"}
+_MARKS = f"{EXACT}{OF}{OBJECT}{BENEATH}{BAR}{END}"
+_BREAKS = " \t\n\v\f\r\x1c\x1d\x1e\x85\u2028\u2029"
+_HIDDEN = {ord(one): _PLANE + ord(one) for one in string.punctuation + _BREAKS + _MARKS}
 _SHOWN = {there: here for here, there in _HIDDEN.items()}
 
 
@@ -109,7 +111,7 @@ def _each(records: Iterable[Any], write: Callable[[Any], Any]) -> list[Any]:
 
 def _semicolons(lines: Markup) -> Markup:
     """Put what stands on lines of a template in a row."""
-    return Marked(say("; ")).join(line for line in lines.splitlines() if line)
+    return Marked(say("; ")).join(filter(None, map(Markup.strip, lines.splitlines())))
 
 
 FILTERS: Mapping[str, Callable[..., object]] = {

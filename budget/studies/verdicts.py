@@ -1014,8 +1014,8 @@ def manoeuvres(mission: Mission) -> bool:
 def lacking_use(case: Case, key: str) -> tuple[Name, ...]:
     """Return the lines of a use that a case is not given: what it does to the triads.
 
-    A figure that holds over temperature says what temperature does, and one that holds
-    over a time what age does.
+    A figure that holds over temperature says what a temperature does that stays as it
+    is, and one that holds over a time what age does.
     """
     found: list[Name] = []
     for sensor in case.there:
@@ -1023,13 +1023,28 @@ def lacking_use(case: Case, key: str) -> tuple[Name, ...]:
             found.append(Name(RECTIFICATION, owner=sensor.kind))
         for parameter, (coefficient, residual) in BY_TEMPERATURE.items():
             own = sensor.line(f"{parameter}_repeatability")
-            says = sensor.line(coefficient) or sensor.line(residual)
-            if key == "temperature" and not says and not _includes(own, "temperature"):
+            is_said = sensor.line(residual) or _includes(own, "temperature")
+            is_known = sensor.line(coefficient) or (is_said and not _moves(case))
+            if key == "temperature" and not is_known:
                 found.append(Name(coefficient, owner=sensor.kind))
             ageing = AGEING[parameter]
             if key == "age" and not sensor.line(ageing) and not _lasts(own):
                 found.append(Name(ageing, owner=sensor.kind))
     return tuple(found)
+
+
+def _moves(case: Case) -> bool:
+    """Say whether the temperature changes on the way.
+
+    A residual over temperature is one constant there, which a filter learns: of the
+    change it says nothing.
+    """
+    line = stated_of(case.procedure).get("temperature")
+    course = None if line is None else line.course
+    if case.mission is None or course is None:
+        return False
+    values = course.at(np.array([0.0, *course.cuts, case.mission.route.duration]))
+    return bool(np.ptp(values))
 
 
 def _includes(line: ErrorLine | None, word: str) -> bool:

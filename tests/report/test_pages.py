@@ -16,6 +16,8 @@ HOSTILE = (
     "| = group |\n|---|\n> small\nTable: x",
     "= a  group",
     "Table: x {:t}",
+    # Marks of pages, and ends of lines.
+    "a\ue0020\ue005 \ue000zz\ue001x\ue005 \ue0009\ue0012\ue005\r\r## x\u2028y\tz",
 )
 
 

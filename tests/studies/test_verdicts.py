@@ -12,6 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
+from budget.spec import load_device, load_mission, load_requirement
 from budget.studies.allocation.cases import Bounds
 from budget.studies.comparison.compare import compare
 
@@ -978,3 +979,62 @@ class TestHidden:
             validate=False,
         )
         assert found.assessment.sensors[0].verdict == "undecidable"
+
+
+@pytest.mark.parametrize("said", ["bias_over_temperature", "bias_repeatability"])
+def test_a_residual_over_temperature_says_nothing_of_one_that_changes(said):
+    """It is one constant, which a filter learns: the coefficient is asked for."""
+    residual = {
+        "bias_over_temperature": {"value": "20 deg/h"},
+        "bias_repeatability": {"value": "3 deg/h", "includes": "temperature"},
+    }[said]
+    errors = {
+        "bias_repeatability": "3 deg/h",
+        "bias_stability": {"value": "0.2 deg/h", "correlation_time": "300 s"},
+        "angle_random_walk": "0.03 deg/sqrt(h)",
+        "scale_factor_repeatability": "100 ppm",
+        "mounting_repeatability": "10 arcsec",
+        "scale_factor_temperature_coefficient": "5 ppm/degC",
+        said: residual,
+    }
+    other = {
+        "bias_repeatability": "0.5 mg",
+        "bias_stability": {"value": "50 ug", "correlation_time": "300 s"},
+        "velocity_random_walk": "0.05 m/s/sqrt(h)",
+        "scale_factor_repeatability": "300 ppm",
+        "mounting_repeatability": "10 arcsec",
+        "bias_temperature_coefficient": "1 ug/degC",
+        "scale_factor_temperature_coefficient": "5 ppm/degC",
+    }
+    sheet = {"gyro": {"errors": errors}, "accelerometer": {"errors": other}}
+    unit = load_device({"name": "x", "technology": "optical", **sheet})
+    at = {"horizontal": "30 m", "at": "160 s"}
+    need = load_requirement({"name": "n", "limits": {"mission": {"position": [at]}}})
+
+    def verdict(last):
+        temperature = {
+            "reference": "0 degC",
+            "profile": [["0 s", "-20 degC"], ["160 s", last]],
+        }
+        mission = {
+            "latitude": "47 deg",
+            "speed": "15 m/s",
+            "alignment": {"level": "1 deg", "heading": "5 deg"},
+            "altitude": "aided",
+            "aiding": {"gnss": {"velocity": "0.05 m/s", "rate": "1 Hz"}},
+            "segments": [
+                {"turn": "720 deg", "rate": "7.2 deg/s", "aiding": ["gnss"]},
+                {"straight": "60 s"},
+            ],
+        }
+        use = {"temperature": temperature, "vibration": "0 g"}
+        route = {"name": "m", "age": "0 s", "environment": use, "mission": mission}
+        found = compare([unit], need, mission=load_mission(route), method="gum")
+        (row,) = (one for one in found.devices if one.sensor == "mission")
+        return row.standing
+
+    moving, still = verdict("0 degC"), verdict("-20 degC")
+    asked = [one.line for one in moving.conditions if one.decides]
+    assert moving.verdict == "undecidable"
+    assert asked == ["gyro.bias_temperature_coefficient"]
+    assert still.verdict == "meets"

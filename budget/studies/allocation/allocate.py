@@ -301,6 +301,15 @@ def allocate(
                 for _ in [journey]
                 if journey is not None and journey.aiding
             ),
+            *(
+                note(
+                    "a filter of your own is not the best one, and a smaller line may "
+                    "even do worse by it: what is allowed was judged at these values, "
+                    "and bounds nothing"
+                )
+                for _ in [journey]
+                if journey is not None and journey.filter is not None
+            ),
             *_warnings(sensors, cases, bounds, prices),
         ),
     )
