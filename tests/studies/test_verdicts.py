@@ -985,7 +985,7 @@ class TestHidden:
 def test_a_residual_over_temperature_says_nothing_of_one_that_changes(said):
     """It is one constant, which a filter learns: the coefficient is asked for."""
     residual = {
-        "bias_over_temperature": {"value": "20 deg/h"},
+        "bias_over_temperature": {"value": "2 deg/h"},
         "bias_repeatability": {"value": "3 deg/h", "includes": "temperature"},
     }[said]
     errors = {
