@@ -253,9 +253,7 @@ def _of_aids(case: Case, held: Limited, law: Propagation) -> Iterator[Caution]:
         time
         for time in times
         if any(
-            begin < time < end or (time == end and end < mission.route.duration)
-            for aid in mission.aiding
-            for begin, end in aid.spans
+            begin < time <= end for aid in mission.aiding for begin, end in aid.spans
         )
     ]
     if during:

@@ -158,6 +158,23 @@ def test_forms_of_a_result_have_the_same_numbers(tmp_path):
         assert_allclose(totals[key], out["standard_uncertainty"], rtol=1e-9)
 
 
+def test_a_mission_that_is_aided_to_its_end_says_so_beside_its_verdict():
+    """What is meant for an outage and has aids there is no outage."""
+    gnss = {"velocity": "0.05 m/s", "rate": "1 Hz"}
+    part = {"latitude": "47 deg", "speed": "15 m/s", "aiding": {"gnss": gnss}}
+    segments = [{"straight": "60 s", "aiding": ["gnss"]}]
+    route = {
+        "name": "m",
+        "environment": "none",
+        "mission": part | {"segments": segments},
+    }
+    at = {"horizontal": "80 m", "at": "60 s"}
+    need = load_requirement({"name": "n", "limits": {"mission": {"position": [at]}}})
+    budget = on_mission(mission=route, requirement=need, carried_to=(60.0,))
+    (sensor,) = budget.assessment.sensors
+    assert [one.kind for one in sensor.standing.cautions].count("aided") == 1
+
+
 @pytest.mark.parametrize(("mission", "at"), [("g4", "660 s"), ("g1", "600 s")])
 def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, at):
     """A filter that is too sure, and a limit while aids are there; once each."""
