@@ -1,8 +1,17 @@
-"""Where shipped specs and templates are: in the checkout, or in the wheel."""
+"""Where shipped specs and templates are, in the checkout or the wheel; their reader."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from budget.errors import OutputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from jinja2 import Environment
+    from jinja2.sandbox import SandboxedEnvironment
 
 PACKAGE = Path(__file__).resolve().parent
 
@@ -31,3 +40,41 @@ def first_stem(file: str) -> str:
 def names_in(folder: str, *under: str) -> list[str]:
     """Return the names of what ships in a folder, up to the first dot of each."""
     return sorted(first_stem(file.name) for file in shipped(folder, *under).iterdir())
+
+
+def template_environment(**options: object) -> SandboxedEnvironment:
+    """Return a jinja2 environment of the shipped templates, with further options.
+
+    A value that is not there is an error, and so is one that is no attribute of what a
+    template is given; a line of a tag alone is no line of what is written.
+
+    Raises
+    ------
+    OutputError
+        By what asks it for a template that is missing.
+    """
+    from jinja2 import FileSystemLoader, StrictUndefined, TemplateNotFound
+    from jinja2.sandbox import SandboxedEnvironment
+
+    class ShippedLoader(FileSystemLoader):
+        """Templates of the program."""
+
+        def get_source(
+            self, environment: Environment, template: str
+        ) -> tuple[str, str, Callable[[], bool]]:
+            try:
+                return super().get_source(environment, template)
+            except TemplateNotFound as error:
+                raise OutputError(
+                    f"{shipped('templates', template)}: this template is missing; it "
+                    "comes with the program: install that again"
+                ) from error
+
+    return SandboxedEnvironment(
+        loader=ShippedLoader(shipped("templates")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        **options,
+    )

@@ -10,17 +10,16 @@ from hashlib import sha256
 from html import escape, unescape
 from typing import TYPE_CHECKING
 
-from budget.errors import OutputError
 from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
-from budget.resources import shipped
+from budget.resources import template_environment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from jinja2 import Environment
+    from jinja2.sandbox import SandboxedEnvironment
     from markupsafe import Markup
 
     from budget.report.blocks import Block, Document, Picture, RowGroup, Words
@@ -43,16 +42,8 @@ def render_page(document: Document) -> str:
     OutputError
         A template is missing.
     """
-    from jinja2 import TemplateNotFound
-
-    try:
-        with speaking(document.language):
-            return _render(drawn(document))
-    except TemplateNotFound as error:
-        raise OutputError(
-            f"{shipped('templates') / str(error.name)}: this template is missing; it "
-            "comes with the program: install that again, or write .pdf instead"
-        ) from error
+    with speaking(document.language):
+        return _render(drawn(document))
 
 
 def _render(document: Document) -> str:
@@ -87,7 +78,7 @@ def _render(document: Document) -> str:
     return _with_mathml(page)
 
 
-def _script(environment: Environment) -> str:
+def _script(environment: SandboxedEnvironment) -> str:
     """Return the script of every page, the same bytes that its hash is of."""
     sources = [environment.get_template(name).render() for name in SCRIPTS]
     return "\n" + "\n".join(sources) + "\n"
@@ -275,21 +266,14 @@ PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
 
 
 @cache  # it keeps what it has compiled, and reads a template that has changed again
-def page_environment() -> Environment:
+def page_environment() -> SandboxedEnvironment:
     """Return the jinja2 environment of every page: escaping, numbers kept with units.
 
     Missing values are errors, plain text is escaped and its numbers bound to their
     units; the filters `number` and `longest_tail` set columns.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=lambda value: bind(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    environment = template_environment(
+        finalize=lambda value: bind(value) if type(value) is str else value
     )
     environment.filters |= {
         "number": lambda text, tail=0: markup(number_markup(text, tail=tail)),

@@ -57,7 +57,7 @@ from budget.report.writing import (
     marked,
     shown,
 )
-from budget.resources import shipped
+from budget.resources import template_environment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -324,9 +324,7 @@ def _inline(
 @cache
 def _environment() -> SandboxedEnvironment:
     """Return what fills templates in: no value is Markdown, none may be missing."""
-    from jinja2 import FileSystemLoader, StrictUndefined
     from jinja2.ext import Extension
-    from jinja2.sandbox import SandboxedEnvironment
 
     class Lines(Extension):
         """A line of tags alone is no line of the page; any other keeps its end."""
@@ -334,14 +332,8 @@ def _environment() -> SandboxedEnvironment:
         def preprocess(self, source: str, *_: object) -> str:
             return "\n".join(map(_ended, source.split("\n")))
 
-    environment = SandboxedEnvironment(
-        loader=FileSystemLoader(shipped("templates")),
-        undefined=StrictUndefined,
-        autoescape=True,
-        finalize=marked,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        extensions=["jinja2.ext.i18n", Lines],
+    environment = template_environment(
+        finalize=marked, extensions=["jinja2.ext.i18n", Lines]
     )
     environment.policies["ext.i18n.trimmed"] = True
     environment.newstyle_gettext = True  # type: ignore[attr-defined]

@@ -20,12 +20,11 @@ from budget.report.tables import (
     print_given,
     print_share,
     print_stop,
-    print_three,
     print_utilisation,
     round_uncertainty,
     source_title,
 )
-from budget.report.wording import VERDICTS, capital, listed, standing_lines
+from budget.report.wording import VERDICTS, capital, standing_lines
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -122,7 +121,6 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "strong": strong,
     "capital": capital,
     "commas": _commas,
-    "listed": lambda texts: listed(list(texts)),
     "said": say,
     "words": words,
     "key": key_title,
@@ -131,7 +129,6 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "verdict": lambda word: say(VERDICTS[word]),
     "standing": standing_lines,
     "given": lambda value, digits=3: print_given(value, digits=digits),
-    "three": print_three,
     "coverage": print_coverage,
     "used": print_utilisation,
     "settle": settle,

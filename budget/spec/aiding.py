@@ -17,6 +17,7 @@ from budget.model.sources import lines_of
 from budget.names import AIDING, PARAMETERS, PLACES, Name
 from budget.spec.fields import (
     KEY,
+    Checked,
     Measured,
     OrText,
     ShortText,
@@ -195,19 +196,13 @@ _Drift: Any = Annotated[
 ]
 
 
-class Spanned(Strict):
+class Spanned(Checked):
     """Something that is there for a while."""
 
     during: tuple[tuple[Time, Time], ...] | None = Field(
         default=None,
         description="beside a trajectory: begins and ends of when it is there",
     )
-
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if messages := self._faults():
-            raise faults(messages)
-        return self
 
     def _faults(self) -> dict[tuple[str | int, ...], str]:
         """Return what is wrong with it."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 from pydantic_core import core_schema
 
 from budget.model.course import Fading, Profile, Stretches
 from budget.spec.aiding import Spanned, Time
-from budget.spec.fields import Later, Measured, Sign, Strict, faults
+from budget.spec.fields import Checked, Later, Measured, Sign, Strict
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class WarmUpPart(Strict):
     )
 
 
-class TemperaturePart(Strict):
+class TemperaturePart(Checked):
     """A temperature that is known at every time, in place of how far it may be off."""
 
     reference: Reading | None = Field(
@@ -64,12 +64,6 @@ class TemperaturePart(Strict):
     warm_up: WarmUpPart | None = Field(
         default=None, description="in place of a profile: it comes to that of the test"
     )
-
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if messages := self._faults():
-            raise faults(messages)
-        return self
 
     def _faults(self) -> Faults:
         """Return what is wrong with it."""

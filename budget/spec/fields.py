@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from abc import abstractmethod
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
 
 from pydantic import (
     AfterValidator,
@@ -15,6 +16,7 @@ from pydantic import (
     Field,
     TypeAdapter,
     create_model,
+    model_validator,
 )
 from pydantic_core import (
     CoreSchema,
@@ -67,6 +69,20 @@ def faults(messages: Mapping[Path, str]) -> ValidationError:
             for path, message in messages.items()
         ],
     )
+
+
+class Checked(Strict):
+    """A mapping whose parts have to go together."""
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        if messages := self._faults():
+            raise faults(messages)
+        return self
+
+    @abstractmethod
+    def _faults(self) -> Mapping[Any, str]:
+        """Return what is wrong with it, by its path in the mapping."""
 
 
 class Sign(Enum):

@@ -28,7 +28,7 @@ from budget.spec.aiding import (
 )
 from budget.spec.checking import check
 from budget.spec.course import Level, TemperaturePart, VibrationPart, stretches
-from budget.spec.fields import Measured, ShortText, Sign, Strict, faults
+from budget.spec.fields import Checked, Measured, ShortText, Sign, Strict, faults
 from budget.spec.files import exists, unshown
 from budget.spec.procedure import MOST_HEIGHT
 from budget.spec.records import Mission, Origin
@@ -123,7 +123,7 @@ Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
 Count = Annotated[int, Field(ge=1, le=MOST_SEGMENTS)]
 
 
-class SegmentLine(Strict):
+class SegmentLine(Checked):
     """What a level vehicle does for a while."""
 
     stand: Span | None = Field(default=None, description="how long it stands still")
@@ -166,12 +166,6 @@ class SegmentLine(Strict):
     vibration: Level | None = Field(
         default=None, description="meanwhile, rms; elsewhere that of environment"
     )
-
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if messages := self._faults():
-            raise faults(messages)
-        return self
 
     def _faults(self) -> Faults:
         """Return what is wrong with it."""

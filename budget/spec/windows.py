@@ -9,13 +9,13 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 from math import degrees, isclose, pi, remainder
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
-from budget.spec.fields import Measured, Sign, Strict, faults
+from budget.spec.fields import Checked, Measured, Sign, faults
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ Time = Annotated[Quantity, Measured("s", bare=True)]
 Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
 
 
-class WindowLine(Strict):
+class WindowLine(Checked):
     """A dwell or a turn, at a face held up or down or at angles of the table."""
 
     face: FaceWord | None = Field(
@@ -69,12 +69,6 @@ class WindowLine(Strict):
     use: Literal["gyro", "accelerometer", "both"] = Field(
         default="both", description="whose readings are averaged"
     )
-
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if messages := self._faults():
-            raise faults(messages)
-        return self
 
     def _faults(self) -> dict[tuple[str, ...], str]:
         """Return what is wrong with it."""

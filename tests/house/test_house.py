@@ -17,8 +17,8 @@ from sources import nodes_of
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
 FLOORS = (
-    ("version", "arrays", "errors", "names", "earth", "resources", "ties", "journal"),
-    ("units", "language"),
+    ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
+    ("units", "language", "resources"),
     ("distributions",),
     ("problem", "model", "navigation"),
     ("spec",),

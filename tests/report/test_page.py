@@ -320,7 +320,7 @@ def test_missing_template_is_named(monkeypatch, tmp_path, name):
     """An installation that lost a file says which one and what to do."""
     templates = copytree(shipped("templates"), tmp_path / "templates")
     (templates / name).unlink()
-    monkeypatch.setattr("budget.report.page.shipped", lambda folder: tmp_path / folder)
+    monkeypatch.setattr("budget.resources.shipped", tmp_path.joinpath)
     # As in a process of its own, which has compiled nothing yet.
     own = cache(page_environment.__wrapped__)
     monkeypatch.setattr("budget.report.page.page_environment", own)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from jinja2 import TemplateError
 
+from budget.errors import OutputError
 from budget.language import speaking
 from budget.report import pages
 from budget.report.blocks import Cell, Listing, Pairs, Panel, Paragraph, Run, Table
@@ -26,12 +27,12 @@ def page(tmp_path, monkeypatch):
     """Return what makes sections of a template that is given."""
 
     def make(text, **view):
-        folder = tmp_path / "pages"
-        folder.mkdir(exist_ok=True)
+        folder = tmp_path / "templates" / "pages"
+        folder.mkdir(parents=True, exist_ok=True)
         (folder / "own.md.j2").write_text(text, encoding="utf-8")
         return pages.sections("own", **view)
 
-    monkeypatch.setattr(pages, "shipped", lambda *_: tmp_path)
+    monkeypatch.setattr("budget.resources.shipped", tmp_path.joinpath)
     pages._environment.cache_clear()  # noqa: SLF001 - it has read the shipped folder
     yield make
     pages._environment.cache_clear()  # noqa: SLF001
@@ -185,3 +186,10 @@ def test_a_value_that_is_not_there_is_an_error(page):
     for text in ("{{ absent }}", "{{ x.__class__.__mro__ }}"):
         with pytest.raises(TemplateError):
             page(f"## T {{:t}}\n\n{text}\n", x=1)
+
+
+@pytest.mark.usefixtures("page")
+def test_a_page_whose_template_is_missing_is_named():
+    """Which file, and to install the program again: no limit of the system is it."""
+    with pytest.raises(OutputError, match=r"own\.md\.j2: this template is missing"):
+        pages.sections("own")

@@ -20,7 +20,7 @@ from jinja2 import pass_context
 
 from budget.errors import CallError
 from budget.model.sources import SENSORS
-from budget.resources import first_stem, shipped
+from budget.resources import first_stem, shipped, template_environment
 from budget.studies.export.figures import Figure, Missing, print_number
 from budget.ties import settle
 from budget.units import size_of
@@ -28,8 +28,8 @@ from budget.units import size_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from jinja2 import Environment
     from jinja2.runtime import Context
+    from jinja2.sandbox import SandboxedEnvironment
 
     from budget.arrays import Array
     from budget.names import Name
@@ -289,18 +289,9 @@ def keys_of(target: Target) -> list[tuple[str, str, str]]:
 
 
 @cache
-def _environment() -> Environment:
+def _environment() -> SandboxedEnvironment:
     """Return what reads templates: a line of a tag alone is no line of the file."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(shipped("templates")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
+    environment = template_environment(keep_trailing_newline=True)
     environment.filters |= {
         "to": _to,
         "number": print_double,
