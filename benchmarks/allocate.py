@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.spec import load_device, load_procedure, load_requirement
+from budget.inputs import load_device, load_procedure, load_requirement
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
@@ -29,7 +29,7 @@ from budget.studies.allocation.cases import (
 from budget.studies.allocation.market import load_catalogue
 
 if TYPE_CHECKING:
-    from budget.spec.records import Sensor
+    from budget.inputs.records import Sensor
 
 TARGET = 0.2  # [s]
 REPEATS = 5

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from budget.spec import load_catalogue
+from budget.inputs import load_catalogue
 
 FILES = 1000
 REQUIREMENT = "catalogue-edge"

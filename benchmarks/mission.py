@@ -22,8 +22,8 @@ from time import process_time
 
 import budget
 from budget.calibration import mission as missions
+from budget.inputs import load_catalogue
 from budget.navigation import growth
-from budget.spec import load_catalogue
 
 RUNS = 3
 TIMES, HOUR = 100, 3600.0

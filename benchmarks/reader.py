@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from fuzz.test_cost import cases
 
 from budget.errors import SpecError
-from budget.spec import validate
+from budget.inputs import validate
 
 TARGET = 1.0  # [s]
 REPEATS = 3

@@ -17,10 +17,10 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 import budget
+from budget.inputs import load_procedure
 from budget.report.analysis.build import report_document
 from budget.report.page import render_page
 from budget.report.typeset import typeset
-from budget.spec import load_procedure
 from budget.studies.evidence import gather_evidence
 from budget.studies.request import analysis_of
 

@@ -19,8 +19,8 @@ from main_job import BUDGET, run
 from throughput import TRIALS, floor, trials
 
 from budget.calibration.problem import calibration_problem
+from budget.inputs import load_device, load_procedure
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure
 from budget.studies.request import sensors_of
 
 ROUNDS = 5

@@ -19,8 +19,8 @@ from SALib.analyze import sobol as analyze
 from SALib.sample import sobol as sample
 
 from budget.calibration.problem import calibration_problem
+from budget.inputs import load_device, load_procedure
 from budget.methods.sobol import sobol
-from budget.spec import load_device, load_procedure
 
 if TYPE_CHECKING:
     from budget.problem import Problem

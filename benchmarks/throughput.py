@@ -18,9 +18,9 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
+from budget.inputs import load_device, load_procedure
 from budget.methods.execution import BLOCK
 from budget.methods.monte_carlo import sample
-from budget.spec import load_device, load_procedure
 
 if TYPE_CHECKING:
     from budget.problem import Problem

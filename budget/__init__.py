@@ -52,14 +52,7 @@ from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.errors import BudgetError, CallError, ProblemError, SpecError
-    from budget.methods.decisions import acceptance_interval, global_risks
-    from budget.methods.gum import propagate
-    from budget.methods.monte_carlo import sample
-    from budget.methods.trials import first_trials
-    from budget.problem import Group, Output, Problem
-    from budget.report import report
-    from budget.results import Budget
-    from budget.spec import (
+    from budget.inputs import (
         load_catalogue,
         load_costs,
         load_device,
@@ -69,7 +62,14 @@ if TYPE_CHECKING:
         load_station,
         uncalibrated,
     )
-    from budget.spec.records import Device
+    from budget.inputs.records import Device
+    from budget.methods.decisions import acceptance_interval, global_risks
+    from budget.methods.gum import propagate
+    from budget.methods.monte_carlo import sample
+    from budget.methods.trials import first_trials
+    from budget.problem import Group, Output, Problem
+    from budget.report import report
+    from budget.results import Budget
     from budget.studies.allocation.allocate import allocate
     from budget.studies.allocation.cases import Bounds
     from budget.studies.analysis import analyze
@@ -85,7 +85,7 @@ _HOME = {
     "Budget": "budget.results",
     "BudgetError": "budget.errors",
     "CallError": "budget.errors",
-    "Device": "budget.spec.records",
+    "Device": "budget.inputs.records",
     "Group": "budget.problem",
     "Output": "budget.problem",
     "Problem": "budget.problem",
@@ -100,19 +100,19 @@ _HOME = {
     "first_trials": "budget.methods.trials",
     "global_risks": "budget.methods.decisions",
     "growth": "budget.studies.mission",
-    "load_catalogue": "budget.spec",
-    "load_costs": "budget.spec",
-    "load_device": "budget.spec",
-    "load_mission": "budget.spec",
-    "load_procedure": "budget.spec",
-    "load_requirement": "budget.spec",
-    "load_station": "budget.spec",
+    "load_catalogue": "budget.inputs",
+    "load_costs": "budget.inputs",
+    "load_device": "budget.inputs",
+    "load_mission": "budget.inputs",
+    "load_procedure": "budget.inputs",
+    "load_requirement": "budget.inputs",
+    "load_station": "budget.inputs",
     "propagate": "budget.methods.gum",
     "qualify": "budget.studies.stations",
     "report": "budget.report",
     "sample": "budget.methods.monte_carlo",
     "sweep": "budget.studies.sweep",
-    "uncalibrated": "budget.spec",
+    "uncalibrated": "budget.inputs",
 }
 
 # What stood here and no command needs is a package of its own.

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from budget.arrays import Array
-    from budget.problem import Output
-    from budget.spec.changes import Changed
-    from budget.spec.records import (
+    from budget.inputs.changes import Changed
+    from budget.inputs.records import (
         Costs,
         Device,
         Mission,
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
     )
+    from budget.problem import Output
 
 SCHEMA = "budget/1"
 # What draws a result stands above it, and is loaded when it is asked to.

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import bdtr, stdtr
 
+from budget.inputs import load_catalogue
 from budget.names import words
-from budget.spec import load_catalogue
 from budget.studies.prediction import DESIGN, Fit, figures_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.records import Device
+    from budget.inputs.records import Device
 
 HERE = Path(__file__).resolve().parent
 PAGE = "missing.md"

@@ -8,8 +8,8 @@ from types import ModuleType
 from typing import Any
 
 import budget
+from budget.inputs.makers import READINGS
 from budget.report.schema import results_schema
-from budget.spec.makers import READINGS
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
 from zhao_2019.schema import paper_keys
 

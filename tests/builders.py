@@ -7,8 +7,7 @@ from math import radians
 import numpy as np
 
 from budget.distributions import NORMAL
-from budget.model.sources import SOURCES
-from budget.spec.records import (
+from budget.inputs.records import (
     AccelerometerProcedure,
     ErrorLine,
     GyroProcedure,
@@ -16,6 +15,7 @@ from budget.spec.records import (
     Procedure,
     Sensor,
 )
+from budget.model.sources import SOURCES
 from budget.units import (
     ARCSEC,
     DEG_PER_HOUR,

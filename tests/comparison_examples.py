@@ -16,8 +16,8 @@ from builders import (
 from scipy.special import ndtri
 
 from budget.distributions import UNIFORM
+from budget.inputs.records import Device, Limit, Origin, Requirement
 from budget.names import ANGLES, AXES, Name
-from budget.spec.records import Device, Limit, Origin, Requirement
 from budget.studies.comparison.compare import compare
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 

@@ -37,9 +37,9 @@ READ_LATE = ("COLUMNS", "SOURCE_DATE_EPOCH", "MATPLOTLIBRC", "PYTEST_CURRENT_TES
 ENCODING = "PYTHONIOENCODING"
 # What commands compute: pure, so that of the same words it is the same.
 COMPUTING = (
-    "budget.spec.load_catalogue",
-    "budget.spec.load_stations",
-    "budget.spec.json_schema",
+    "budget.inputs.load_catalogue",
+    "budget.inputs.load_stations",
+    "budget.inputs.json_schema",
     "budget.references.check.make_reference",
     "budget.references.check.compare_sides",
     "budget.references.check.check",
@@ -144,7 +144,7 @@ def _import_everything():
     typer = import_module("typer.main")
     typer.get_command = cache(typer.get_command)
     typer.get_command(import_module("budget.cli").app)
-    import_module("budget.spec").load_catalogue()
+    import_module("budget.inputs").load_catalogue()
     keep_computed(setattr)
     _leave_alone()
 

@@ -11,9 +11,9 @@ from unittest.mock import patch
 import numpy as np
 
 from budget.calibration import simulation
+from budget.inputs import load_catalogue
 from budget.methods import execution
 from budget.model.scheme import Scheme
-from budget.spec import load_catalogue
 
 
 def once(function, kept):

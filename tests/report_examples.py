@@ -8,6 +8,18 @@ from math import fsum, pi, sqrt
 import numpy as np
 
 from budget.distributions import NORMAL, UNIFORM
+from budget.inputs.records import (
+    ANGLES,
+    AXES,
+    AccelerometerProcedure,
+    Device,
+    ErrorLine,
+    GyroProcedure,
+    Origin,
+    Procedure,
+    Sensor,
+    UnusedValue,
+)
 from budget.language import note
 from budget.names import Name, key_title, parameters_of
 from budget.problem import Output
@@ -26,18 +38,6 @@ from budget.results import (
     SobolIndex,
     Standing,
     Validation,
-)
-from budget.spec.records import (
-    ANGLES,
-    AXES,
-    AccelerometerProcedure,
-    Device,
-    ErrorLine,
-    GyroProcedure,
-    Origin,
-    Procedure,
-    Sensor,
-    UnusedValue,
 )
 from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from report_examples import make_assessment, make_budget
 
+from budget.inputs.records import ANGLES
 from budget.names import Name
 from budget.report.analysis.verdict import verdict_cards
 from budget.report.figures.outputs import utilisation_title
@@ -20,7 +21,6 @@ from budget.report.tables import (
     round_uncertainty,
     round_value,
 )
-from budget.spec.records import ANGLES
 from budget.ties import equal_to, first_largest, from_largest, largest, settle
 
 NOISE = 1e-12  # relative: what other processors and other orders of a sum may change

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from budget.errors import SpecError, UnitError
-from budget.spec import load_device
+from budget.inputs import load_device
 from budget.units import KINDS, STANDARD_GRAVITY, parse_quantity, per_root_hertz
 
 DEG = pi / 180.0

@@ -15,18 +15,18 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import CallError
+from budget.inputs.records import ErrorLine
 from budget.model.source import SENSORS
 from budget.model.sources import source_of
 from budget.names import AIDING, ALIGNMENT, PLACES, Name
 from budget.navigation.aided import KNOWN, Aid, Drift
-from budget.spec.records import ErrorLine
 from budget.units import DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import Aiding, Believed, Mission, Sensor
+    from budget.inputs.records import Aiding, Believed, Mission, Sensor
 
 # Rows of Moment.measured: north, east and down, or one.
 ROWS = {

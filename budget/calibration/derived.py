@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import Procedure
+    from budget.inputs.records import Procedure
 
 
 @cache

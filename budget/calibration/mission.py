@@ -65,10 +65,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine, Mission, Procedure, Sensor
     from budget.model.course import Course
     from budget.navigation.aided import Aided
     from budget.navigation.dynamics import Moment
-    from budget.spec.records import ErrorLine, Mission, Procedure, Sensor
 
 REFERENCE = "next_turn_on"  # a mission begins with a turn-on of its own
 RECTIFICATION = "vibration_rectification"

@@ -49,10 +49,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure, Sensor
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
-    from budget.spec.records import Procedure, Sensor
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}

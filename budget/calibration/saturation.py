@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Mission, Sensor
     from budget.language import Note
     from budget.model.place import Place
     from budget.model.windows import Schedule, Window
     from budget.navigation.route import Leg, Route
-    from budget.spec.records import Mission, Sensor
 
 # Of a range, that its two or three digits leave open: the earth rate beside a turn of
 # 1 deg/s (0.42 %) and gravity at a pole beside 1 g (0.26 %) are within it [1].

@@ -45,11 +45,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine, Procedure, Sensor
     from budget.model.response import CalibratedTriad
     from budget.model.scheme import Scheme
     from budget.model.source import Effect, Given
     from budget.model.windows import Window
-    from budget.spec.records import ErrorLine, Procedure, Sensor
 
 # Of one window, three axes and a few arrays of that length: some 0.2 GB.
 MOST_SAMPLES = 2_000_000

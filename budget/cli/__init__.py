@@ -30,9 +30,9 @@ from budget.cli.report import report
 from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, talk, tell
 from budget.errors import BudgetError, CallError, WorkerError
+from budget.inputs.tree import LONGEST_SHOWN
 from budget.journal import keep_journal
 from budget.report.rendering import document_date
-from budget.spec.tree import LONGEST_SHOWN
 from budget.version import __version__
 
 if TYPE_CHECKING:

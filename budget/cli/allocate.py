@@ -12,8 +12,8 @@ from budget.cli import options
 from budget.cli.streams import talk
 
 if TYPE_CHECKING:
+    from budget.inputs.records import Sensor
     from budget.names import Name
-    from budget.spec.records import Sensor
 
 
 def allocate(
@@ -93,13 +93,13 @@ def allocate(
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_yaml, hand_out
+    from budget.inputs import load_costs, load_requirement
     from budget.report.allocation.document import (
         allocated_device,
         allocation_csv,
     )
     from budget.report.allocation.page import allocation_answer
     from budget.report.document import json_text
-    from budget.spec import load_costs, load_requirement
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
     from budget.studies.request import find_sources, sensors_of, source_names
@@ -172,8 +172,8 @@ def _values(
 ) -> dict[Name, float]:
     """Read SOURCE=VALUE [SI]; every unit of the line will do."""
     from budget.errors import CallError, UnitError
+    from budget.inputs.specification import standard_size
     from budget.model.sources import source_of
-    from budget.spec.specification import standard_size
     from budget.studies.request import find_sources, source_names
     from budget.units import parse_quantity
 
@@ -208,8 +208,8 @@ def _values(
 def _read_back(text: str, write: Path) -> str:
     """Return the text of a device file that can be read again; refuse any other."""
     from budget.errors import CallError, SpecError
-    from budget.spec.device import read_device
-    from budget.spec.reader import parse
+    from budget.inputs.device import read_device
+    from budget.inputs.reader import parse
 
     try:
         read_device(parse(text.encode(), str(write), base_name=write.name))

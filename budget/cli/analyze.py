@@ -96,7 +96,7 @@ def compute(
     """Load what is named and compute its budget, of a mission where there is one."""
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations
-    from budget.spec import load_calibration, load_mission, load_requirement
+    from budget.inputs import load_calibration, load_mission, load_requirement
     from budget.studies.analysis import analyze_as
     from budget.studies.request import (
         after_a_turn_on,

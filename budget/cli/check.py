@@ -14,9 +14,9 @@ from budget.cli.streams import in_line, talk, tell
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.files import NamedFile
     from budget.references.difference import Difference
     from budget.references.records import Job, Role, StoredInput
-    from budget.spec.files import NamedFile
 
 
 EXIT_MOVED = 1
@@ -275,8 +275,8 @@ def _save(
 def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
+    from budget.inputs.load import try_all
     from budget.references.files import take, take_procedures
-    from budget.spec.load import try_all
 
     if not files["device"]:
         talk(
@@ -367,9 +367,9 @@ def validate(
     """Check files and say everything that is wrong in them, with positions."""
     from budget.cli.output import printing
     from budget.errors import SpecError
+    from budget.inputs.load import try_valid
+    from budget.inputs.makers import MEANINGS
     from budget.language import say
-    from budget.spec.load import try_valid
-    from budget.spec.makers import MEANINGS
     from budget.studies.verdicts import cautions_of_device
 
     checked, issues = try_valid(files, changes or ())
@@ -401,10 +401,10 @@ def _show_procedure(name: str) -> None:
     """Warn of what it says of the place, what that may cost; draw what it does when."""
     from budget.calibration.schemes import calibrates
     from budget.cli.output import print_page
+    from budget.inputs import load_procedure
     from budget.model.sources import SENSORS
     from budget.report.figures.timeline import schedule_sections
     from budget.report.inputs import blunders_sections
-    from budget.spec import load_procedure
     from budget.studies.blunders import costs, evident
 
     procedure = load_procedure(name)
@@ -419,8 +419,8 @@ def _show_procedure(name: str) -> None:
 def _show_mission(name: str) -> None:
     """Warn of what is of no vehicle, and say where it leads."""
     from budget.cli.output import print_page
+    from budget.inputs import load_mission
     from budget.report.route import route_section
-    from budget.spec import load_mission
     from budget.studies.cautions import of_no_vehicle
 
     mission = load_mission(name)
@@ -444,9 +444,9 @@ def schema(
     from json import dumps
 
     from budget.cli.output import printing
+    from budget.inputs import json_schema
     from budget.references.store import reference_schema
     from budget.report.schema import results_schema
-    from budget.spec import json_schema
     from zhao_2019.schema import paper_keys
 
     if kind == "results":

@@ -101,13 +101,13 @@ def compare(
         pages_of,
     )
     from budget.errors import CallError, SpecError
+    from budget.inputs import load_catalogue, load_requirement
+    from budget.inputs.load import shipped_path, try_changed
     from budget.language import speaking
     from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
     from budget.report.rendering import check_suffixes, document_date
-    from budget.spec import load_catalogue, load_requirement
-    from budget.spec.load import shipped_path, try_changed
     from budget.studies.comparison.compare import compare as run
     from budget.studies.judgement import TRIALS
 

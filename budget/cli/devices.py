@@ -33,13 +33,13 @@ def devices(
     """
     from budget.cli.output import hand_out
     from budget.errors import CallError
+    from budget.inputs.load import load_changed
     from budget.report.catalogue import (
         device_sections,
         device_to_json,
         list_sections,
         list_to_json,
     )
-    from budget.spec.load import load_changed
 
     if name is None and changes:
         raise CallError("--set changes a device, and none is named; name one")

@@ -70,11 +70,11 @@ def diff(
     """
     from budget.cli.output import check_destinations, hand_out
     from budget.errors import CallError
+    from budget.inputs.records import CHANGED
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Asked
     from budget.report.reference.document import difference_json, differences_csv
     from budget.report.reference.sections import difference_sections
-    from budget.spec.records import CHANGED
 
     check_destinations(json, csv, inputs=[first, second, procedure, mission])
     stored = [_reference(name) for name in (first, second)]
@@ -113,9 +113,9 @@ def diff(
 
 def _reference(name: str) -> ReferenceBudget | None:
     """Read a stored reference; None where the name is of a device."""
+    from budget.inputs.files import find
     from budget.references.files import find_references, shipped_references
     from budget.references.store import read_reference
-    from budget.spec.files import find
 
     ships = {one.shown for one in shipped_references()}
     is_bare = name in ships and not find(name, "device").path.is_file()

@@ -132,9 +132,9 @@ def export(
     from budget.cli.output import check_destinations, hand_out
     from budget.cli.streams import talk
     from budget.errors import CallError
+    from budget.inputs import load_procedure
     from budget.report.document import json_text
     from budget.report.export import export_answer, export_csv, remarks, write_export
-    from budget.spec import load_procedure
     from budget.studies.export.study import export as export_to
 
     files = () if output is None else (output,)

@@ -58,9 +58,9 @@ def new(
     """
     from budget.cli.output import hand_out
     from budget.errors import CallError
+    from budget.inputs.blank import new_device, split_line
+    from budget.inputs.files import exists
     from budget.report.files import check_targets, write_all
-    from budget.spec.blank import new_device, split_line
-    from budget.spec.files import exists
 
     if file != STDOUT:
         if file.suffix.lower() not in {".yaml", ".yml"}:
@@ -92,9 +92,9 @@ def new(
 def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
     """Ask a person for the name, the data sheet and the expected lines."""
     from budget.errors import SpecError
+    from budget.inputs.blank import new_device, scalar
+    from budget.inputs.makers import printed_as
     from budget.model.sources import SENSORS, lines_of
-    from budget.spec.blank import new_device, scalar
-    from budget.spec.makers import printed_as
 
     talk("Values as printed, with their unit; Enter where a data sheet prints none.")
     name = _answer("Name of the device", name)

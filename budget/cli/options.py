@@ -20,8 +20,8 @@ from budget.cli.streams import talk
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from budget.inputs.records import Device, Requirement
     from budget.results import Assessment, Settings
-    from budget.spec.records import Device, Requirement
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
@@ -121,7 +121,7 @@ def processors() -> int:
 
 def complete_device(incomplete: str) -> list[str]:
     """Complete the name of a shipped device, or a file that is there."""
-    from budget.spec.files import shipped_names
+    from budget.inputs.files import shipped_names
 
     folder, slash, start = incomplete.rpartition("/")
     found = [name for name in shipped_names("device") if name.startswith(incomplete)]
@@ -537,7 +537,7 @@ def select_catalogue(
         There is none.
     """
     from budget.errors import CallError
-    from budget.spec import load_catalogue
+    from budget.inputs import load_catalogue
     from budget.studies.grades import is_one_of
 
     found = tuple(
@@ -560,7 +560,7 @@ def calibration_files(
     calibration: str | None, *procedures: Path | None
 ) -> tuple[str | Path | None, ...]:
     """Return the files that a unit is calibrated by, where there are any."""
-    from budget.spec.records import UNCALIBRATED
+    from budget.inputs.records import UNCALIBRATED
 
     return (None if calibration in UNCALIBRATED else calibration, *procedures)
 
@@ -618,7 +618,7 @@ def load_devices(
     SpecError
         With the issues of all files.
     """
-    from budget.spec.load import load_changed
+    from budget.inputs.load import load_changed
 
     if not names:
         talk(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")

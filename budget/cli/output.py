@@ -51,8 +51,8 @@ def check_destinations(
     OutputError
         A file cannot be written, or is an input.
     """
+    from budget.inputs.files import find
     from budget.report.files import check_targets
-    from budget.spec.files import find
 
     if json == STDOUT and csv == STDOUT:
         raise CallError(

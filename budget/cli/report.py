@@ -14,10 +14,10 @@ from budget.cli import options
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from budget.inputs.records import Device, Mission, Procedure, Requirement
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
-    from budget.spec.records import Device, Mission, Procedure, Requirement
     from budget.studies.progress import Engine
 
 
@@ -83,17 +83,17 @@ def report(
         pages_of,
     )
     from budget.errors import CallError
-    from budget.language import speaking
-    from budget.names import MISSION
-    from budget.report.analysis.build import report_document
-    from budget.report.document import to_csv
-    from budget.report.rendering import check_suffixes, document_date
-    from budget.spec import (
+    from budget.inputs import (
         load_all,
         load_calibration,
         load_mission,
         load_requirement,
     )
+    from budget.language import speaking
+    from budget.names import MISSION
+    from budget.report.analysis.build import report_document
+    from budget.report.document import to_csv
+    from budget.report.rendering import check_suffixes, document_date
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
     from budget.studies.request import (
@@ -221,8 +221,8 @@ def _calibrations(
     The first is the paper's test where the unit on the mission is as its maker
     calibrated it, or as it was made: these have no budget of a calibration.
     """
-    from budget.spec.records import UNCALIBRATED
-    from budget.spec.use import in_use
+    from budget.inputs.records import UNCALIBRATED
+    from budget.inputs.use import in_use
     from budget.studies.request import needs_test
 
     own = load(calibration, procedure, mission=mission, requirement=requirement)
@@ -320,11 +320,11 @@ def _extras(
     engine: Engine,
 ) -> Iterator[Extra]:
     """Yield what was asked for besides: lines for the limits, other devices."""
+    from budget.inputs import load_catalogue
     from budget.names import MISSION
     from budget.report.allocation.page import allocation_section
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
-    from budget.spec import load_catalogue
     from budget.studies.allocation.allocate import allocate
     from budget.studies.comparison.compare import compare
 

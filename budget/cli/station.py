@@ -108,10 +108,10 @@ def station(
     """
     from budget.cli.output import check_destinations, check_yaml, hand_out
     from budget.errors import SpecError
+    from budget.inputs import load_requirement, load_station, load_stations
+    from budget.inputs.load import try_all
     from budget.report.document import json_text
     from budget.report.stations import station_answer, station_csv, station_yaml
-    from budget.spec import load_requirement, load_station, load_stations
-    from budget.spec.load import try_all
     from budget.studies.stations import GUARD, RATIO, qualify
 
     others = () if write is None else (write,)

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from budget.inputs.tree import Document
     from budget.references.difference import Move
     from budget.references.records import Asked, Item, Job, Snapshot, StoredInput
-    from budget.spec.tree import Document
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 # What takes the place of causes where the stored inputs cannot be read.

@@ -9,16 +9,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from budget.inputs.changes import apply
+from budget.inputs.device import root_of
+from budget.inputs.records import CHANGED
+from budget.inputs.tree import Document, Node, plain
 from budget.references.difference import Change
-from budget.spec.changes import apply
-from budget.spec.device import root_of
-from budget.spec.records import CHANGED
-from budget.spec.tree import Document, Node, plain
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.spec.changes import Change as DeviceChange
+    from budget.inputs.changes import Change as DeviceChange
 
 LONGEST = 60  # characters of a value in a message
 LONGEST_FIGURE = 160  # of a figure with several of its keys
@@ -87,7 +87,7 @@ def effective(
     """Return a device file as one device: the variant over the base, changes over both.
 
     Figures get one shape, {value: ...}, so that a short one and a long one differ in
-    their values only. The file is one that can be read (see spec.device).
+    their values only. The file is one that can be read (see inputs.device).
     """
     root = _put(root_of(document, variant), ("abstract",), None)
     for change in changes:

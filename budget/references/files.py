@@ -10,25 +10,25 @@ from pathlib import Path, PureWindowsPath
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError, ReferenceFileError
+from budget.inputs.changes import check_used, read_change
+from budget.inputs.checking import nearest
+from budget.inputs.device import read_device, root_of, variant_names
+from budget.inputs.files import FOLDERS, NamedFile, find, lies_in, open_file
+from budget.inputs.load import PAPER
+from budget.inputs.reader import parse
+from budget.inputs.station import named_station, station_file
+from budget.inputs.tree import all_of
 from budget.model.sources import STATION
 from budget.references.exchange import effective
 from budget.references.records import StoredInput
 from budget.resources import shipped
-from budget.spec.changes import check_used, read_change
-from budget.spec.checking import nearest
-from budget.spec.device import read_device, root_of, variant_names
-from budget.spec.files import FOLDERS, NamedFile, find, lies_in, open_file
-from budget.spec.load import PAPER
-from budget.spec.reader import parse
-from budget.spec.station import named_station, station_file
-from budget.spec.tree import all_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.changes import Change
+    from budget.inputs.tree import Document
     from budget.references.records import Role
-    from budget.spec.changes import Change
-    from budget.spec.tree import Document
 
 FOLDER = "references"
 SUFFIX = ".json"  # of a reference budget

@@ -6,6 +6,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
+from budget.inputs.costs import read_costs
+from budget.inputs.device import read_device
+from budget.inputs.load import uncalibrated
+from budget.inputs.mission import read_mission
+from budget.inputs.procedure import read_procedure
+from budget.inputs.requirement import read_requirement
+from budget.inputs.station import done_at, named_station, read_station
+from budget.inputs.use import in_use
 from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
 from budget.names import MISSION
@@ -13,14 +21,6 @@ from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import FILES, JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
 from budget.results import BY_TRIALS
-from budget.spec.costs import read_costs
-from budget.spec.device import read_device
-from budget.spec.load import uncalibrated
-from budget.spec.mission import read_mission
-from budget.spec.procedure import read_procedure
-from budget.spec.requirement import read_requirement
-from budget.spec.station import done_at, named_station, read_station
-from budget.spec.use import in_use
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
@@ -39,10 +39,10 @@ from budget.studies.request import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Device, Mission, Procedure, Requirement
+    from budget.inputs.tree import Document
     from budget.references.records import Snapshot
     from budget.results import Budget
-    from budget.spec.records import Device, Mission, Procedure, Requirement
-    from budget.spec.tree import Document
 
 # Which settings mean something to which job; the others must stay as they are.
 SETTINGS = {

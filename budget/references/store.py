@@ -19,6 +19,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from budget.errors import ReferenceFileError
+from budget.inputs.checking import in_our_words
+from budget.inputs.reader import MOST_BYTES as LONGEST_INPUT
+from budget.inputs.schema import schema_of
 from budget.journal import note_read
 from budget.references.files import digest
 from budget.references.records import (
@@ -28,9 +31,6 @@ from budget.references.records import (
     Sha256,
     files_fault,
 )
-from budget.spec.checking import in_our_words
-from budget.spec.reader import MOST_BYTES as LONGEST_INPUT
-from budget.spec.schema import schema_of
 from budget.version import __version__
 
 if TYPE_CHECKING:

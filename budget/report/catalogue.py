@@ -5,18 +5,18 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
+from budget.inputs.files import bare_name
 from budget.report.document import json_text
 from budget.report.inputs import sensor_blocks, unused_table
 from budget.report.pages import sections
 from budget.results import SCHEMA
-from budget.spec.files import bare_name
 from budget.studies.grades import completeness, grade, kind_of_device
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Device, Sensor
     from budget.report.blocks import Section
-    from budget.spec.records import Device, Sensor
 
 TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "range", "notes")
 REMARKS = ("includes", "horizon", "definition", "condition", "source")

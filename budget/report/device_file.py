@@ -10,10 +10,10 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import SpecError
-from budget.spec.device import read_device
-from budget.spec.reader import parse
-from budget.spec.records import ANGLES, AXES
-from budget.spec.specification import (
+from budget.inputs.device import read_device
+from budget.inputs.reader import parse
+from budget.inputs.records import ANGLES, AXES
+from budget.inputs.specification import (
     ALLAN_MINIMUM,
     EXACT,
     HALF_WIDTHS,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import ErrorLine, Sensor
+    from budget.inputs.records import ErrorLine, Sensor
 
 LONGEST_NAME = 200  # characters, of a device file
 LONGEST_NOTES = 4000

@@ -7,6 +7,8 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from budget.calibration.mission import on_the_way
+from budget.inputs.records import ANGLES, AXES
+from budget.inputs.station import IDEAL
 from budget.language import Note, say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.names import Name
@@ -20,16 +22,14 @@ from budget.report.figures.timeline import (
 )
 from budget.report.tables import print_given
 from budget.report.wording import capital, parted
-from budget.spec.records import ANGLES, AXES
-from budget.spec.station import IDEAL
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Device, ErrorLine, Procedure, Sensor, UnusedValue
     from budget.report.blocks import Block, Table, Words
-    from budget.spec.records import Device, ErrorLine, Procedure, Sensor, UnusedValue
     from budget.studies.blunders import Blunder, Offset
 
 

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
-from budget.spec.tree import describe
+from budget.inputs.tree import describe
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

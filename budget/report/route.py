@@ -13,10 +13,10 @@ from budget.report.tables import print_given, unit_for
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
+    from budget.inputs.records import Mission
     from budget.navigation.dynamics import Moment
     from budget.navigation.route import Route
     from budget.report.blocks import Section
-    from budget.spec.records import Mission
 
 STILL = 0.5  # below which a way is none [m]
 DIGITS = 7  # of a number that is rounded to decimals already

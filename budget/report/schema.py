@@ -14,6 +14,9 @@ from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Any, Literal, Union, get_args, get_origin
 from typing import get_type_hints as hints_of
 
+from budget.inputs.changes import Changed
+from budget.inputs.records import Device, ErrorLine, Mission, Sensor, UnusedValue
+from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
 from budget.references.difference import Change, Difference, Move
@@ -52,9 +55,6 @@ from budget.results import (
     Turned,
     Validation,
 )
-from budget.spec.changes import Changed
-from budget.spec.records import Device, ErrorLine, Mission, Sensor, UnusedValue
-from budget.spec.schema import DIALECT
 from budget.studies.allocation.records import (
     Allocation,
     CostReport,

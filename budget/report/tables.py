@@ -8,10 +8,10 @@ from itertools import groupby
 from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
+from budget.inputs.records import ANGLES
 from budget.language import axis_title, beside, key_title, say, term
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
-from budget.spec.records import ANGLES
 from budget.ties import first_largest, from_largest, settle
 from budget.units import ARCSEC, parse_quantity
 

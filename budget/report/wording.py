@@ -5,6 +5,7 @@ from __future__ import annotations
 import string
 from typing import TYPE_CHECKING
 
+from budget.inputs.records import UNCALIBRATED
 from budget.language import Note, counted, key_title, say, template, term, words
 from budget.names import Name
 from budget.report.blocks import Cell, Paragraph, Run
@@ -14,7 +15,6 @@ from budget.report.tables import (
     print_share,
     source_title,
 )
-from budget.spec.records import UNCALIBRATED
 from budget.ties import settle
 
 if TYPE_CHECKING:

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Mission, Procedure, Sensor
     from budget.problem import Output, Problem
-    from budget.spec.records import Mission, Procedure, Sensor
 
 AT_ONCE = 8  # times that are traced back together
 CONFIDENT = 0.8  # of what is true, below which a filter believes too much of itself

@@ -11,6 +11,15 @@ import numpy as np
 
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.inputs import (
+    load_calibration,
+    load_devices,
+    load_mission,
+    load_procedure,
+    load_requirement,
+)
+from budget.inputs.records import UNCALIBRATED
+from budget.inputs.use import in_use
 from budget.language import note
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -42,15 +51,6 @@ from budget.results import (
     Validation,
     input_files,
 )
-from budget.spec import (
-    load_calibration,
-    load_devices,
-    load_mission,
-    load_procedure,
-    load_requirement,
-)
-from budget.spec.records import UNCALIBRATED
-from budget.spec.use import in_use
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -86,9 +86,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
     from budget.problem import Problem
-    from budget.spec.files import File
-    from budget.spec.records import Device, Mission, Procedure, Requirement, Station
     from budget.studies.progress import Progress
 
 NOT_OF_A_MISSION = note(

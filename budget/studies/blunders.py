@@ -22,19 +22,19 @@ from budget.calibration.schemes import calibrates, estimated
 from budget.distributions import NORMAL
 from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
 from budget.errors import BudgetError
+from budget.inputs.procedure import HEIGHT_0
+from budget.inputs.records import ErrorLine, Sensor
 from budget.language import in_a_row, note
 from budget.model.sources import SENSORS, STATION
 from budget.names import Name
-from budget.spec.procedure import HEIGHT_0
-from budget.spec.records import ErrorLine, Sensor
 from budget.units import DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
+    from budget.inputs.records import Procedure, Requirement
     from budget.methods.gum import Propagation
     from budget.problem import Output, Problem
-    from budget.spec.records import Procedure, Requirement
 
 FALSE_RATE = 15.0 * DEG_PER_HOUR  # a turn in 24 h, in place of a sidereal day [rad/s]
 CLIMB = 100.0  # above the height that is assumed [m]

@@ -11,23 +11,23 @@ import numpy as np
 from budget.calibration.mission import not_carried
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
+from budget.inputs.specification import time_of
 from budget.language import in_a_row, note, term
 from budget.model.source import Change, Coefficient, Disturbance, Nonlinearity
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
 from budget.names import Name, key_title, time_text
-from budget.spec.specification import time_of
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Mission, Procedure, Sensor
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
     from budget.results import Budget, OutputBudget
-    from budget.spec.records import Mission, Procedure, Sensor
     from budget.studies.request import Analysis
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks

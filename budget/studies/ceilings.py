@@ -19,9 +19,9 @@ from functools import lru_cache
 from math import inf
 from typing import TYPE_CHECKING
 
+from budget.inputs.specification import time_of
 from budget.model.sources.later import AGEING, growth
 from budget.names import Name
-from budget.spec.specification import time_of
 from budget.studies.grades import FAMILIES, UNKNOWN, family, grade
 from budget.studies.missing import line_of, shipped_devices
 from budget.studies.prediction import figures_of, predict, stand_in
@@ -31,7 +31,7 @@ from budget.units import YEAR
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from budget.spec.records import Device, ErrorLine
+    from budget.inputs.records import Device, ErrorLine
 
 BY_DEVICES, BY_PREDICTION, BY_NATURE = ORIGINS = (
     "comparable devices",

@@ -27,8 +27,8 @@ from budget.results import Compensation
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import Sensor
     from budget.problem import Output, Problem
-    from budget.spec.records import Sensor
     from budget.studies.request import Analysis
 
 

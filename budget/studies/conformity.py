@@ -9,10 +9,10 @@ import numpy as np
 
 from budget.calibration.derived import known_outputs
 from budget.errors import CallError
+from budget.inputs import load_devices, load_requirement
+from budget.inputs.records import JOINT
 from budget.names import MISSION
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
-from budget.spec import load_devices, load_requirement
-from budget.spec.records import JOINT
 from budget.studies.ceilings import ceilings
 from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
@@ -34,10 +34,10 @@ from budget.ties import first_largest
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, ErrorLine, Requirement
     from budget.names import Name
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
-    from budget.spec.files import File
-    from budget.spec.records import Device, ErrorLine, Requirement
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
 

@@ -16,10 +16,10 @@ from budget.names import IMU
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import Procedure, Sensor
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Problem
-    from budget.spec.records import Procedure, Sensor
 
 METHODS = ("gum", "monte-carlo", "simulation")
 TRIALS = 4096  # of Monte Carlo for each source: one block

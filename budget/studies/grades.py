@@ -12,7 +12,7 @@ from budget.units import DEG_PER_HOUR, MICRO_G
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.spec.records import Device, Sensor
+    from budget.inputs.records import Device, Sensor
 
 # The line a sensor is graded by, and the grades below these sizes of it [SI].
 GRADED_BY = {"gyro": "bias_stability", "accelerometer": "bias_repeatability"}

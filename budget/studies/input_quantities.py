@@ -21,20 +21,20 @@ import numpy as np
 
 from budget.calibration.problem import line_u_of_inputs
 from budget.calibration.schemes import with_accelerometers
-from budget.results import InputQuantity
-from budget.spec.specification import (
+from budget.inputs.specification import (
     ALLAN_MINIMUM,
     HALF_WIDTHS,
     SIGMAS,
     divisor,
 )
+from budget.results import InputQuantity
 from budget.studies.request import given_lines
 from budget.units import WALK_PER_DENSITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine
     from budget.names import Name
-    from budget.spec.records import ErrorLine
     from budget.studies.request import Analysis
 
 REACHES = 1e-6  # part of the largest input's contribution that is one too [1]

@@ -26,6 +26,7 @@ import numpy as np
 from budget.calibration.derived import outputs_for
 from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
+from budget.inputs.records import JOINT
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -44,7 +45,6 @@ from budget.results import (
     OutputAssessment,
     Probability,
 )
-from budget.spec.records import JOINT
 from budget.studies.aiding import problem_of_mission
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.studies.request import on_mission
@@ -56,11 +56,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.records import Mission, Procedure, Requirement, Sensor
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Output, Problem
     from budget.results import Standing
-    from budget.spec.records import Mission, Procedure, Requirement, Sensor
 
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from budget.arrays import Array
-    from budget.spec.records import Mission, Requirement
+    from budget.inputs.records import Mission, Requirement
     from budget.studies.request import Analysis
 
 DECIMALS = 9  # of a time in s, which is the sum of steps

@@ -22,19 +22,19 @@ from budget.calibration.schemes import (
     is_beside,
     with_accelerometers,
 )
+from budget.inputs.records import Sensor
+from budget.inputs.specification import time_of
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.model.sources.later import AGEING, age_in
 from budget.model.sources.processes import FlickerNoise
 from budget.names import IMU, Name, every_output
-from budget.spec.records import Sensor
-from budget.spec.specification import time_of
 from budget.studies.missing import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.inputs.records import Device, ErrorLine, Mission, Procedure
     from budget.model.source import Source
-    from budget.spec.records import Device, ErrorLine, Mission, Procedure
 
 SAME_TIME = 0.01  # relative: 365 days are a year, of 365.25 [1]
 DRAWS = 8  # of each line alone

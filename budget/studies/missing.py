@@ -15,14 +15,14 @@ import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import CallError
+from budget.inputs import load_catalogue
+from budget.inputs.records import ErrorLine
+from budget.inputs.specification import ALLAN_MINIMUM, CORRELATION_TIME
 from budget.language import note
 from budget.model.sources import ACCELEROMETER, FLICKER, GYRO, LOW_CUT
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
-from budget.spec import load_catalogue
-from budget.spec.records import ErrorLine
-from budget.spec.specification import ALLAN_MINIMUM, CORRELATION_TIME
 from budget.studies.grades import UNKNOWN, family, grade
 from budget.studies.prediction import joined, predict, stand_in
 from budget.ties import first_largest, settle
@@ -37,8 +37,8 @@ from budget.units import (
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Device, Sensor
     from budget.model.source import Source
-    from budget.spec.records import Device, Sensor
     from budget.studies.prediction import Prediction
 
 REFUSE, WORST, TYPICAL, PREDICT = MODES = ("refuse", "worst", "typical", "predict")

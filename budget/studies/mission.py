@@ -17,12 +17,12 @@ from budget.calibration.mission import (
     on_the_way,
 )
 from budget.errors import CallError
+from budget.inputs import without_test
+from budget.inputs.records import FACTORY, UNCALIBRATED
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.methods.radius import principal_variances, radius_of
 from budget.names import AIDING, ALIGNMENT, HORIZONTAL, LENGTHS, MISSION, Name
 from budget.results import CEP, INTERACTION, R95, Calibrated
-from budget.spec import without_test
-from budget.spec.records import FACTORY, UNCALIBRATED
 from budget.studies.aiding import few_times, journey_of
 from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.request import analysis_of, seconds
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.records import Mission
     from budget.results import Budget
-    from budget.spec.records import Mission
     from budget.studies.request import Analysis
 
 POINTS = 100  # of a curve, where nobody asks for more

@@ -56,8 +56,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Device
     from budget.model.source import Source
-    from budget.spec.records import Device
 
 # Variance over that of designs, and correlation of the lines of one group, for each
 # level from the widest to the narrowest: assumptions, round numbers near the largest

@@ -18,10 +18,10 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import WEIGHTED
+from budget.inputs.specification import SIDES
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.results import Reading, ReadingEffect, ReadingVerdicts
-from budget.spec.specification import SIDES
 from budget.studies.judgement import (
     judge,
     limit_problem,
@@ -34,8 +34,8 @@ from budget.ties import first_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from budget.inputs.records import ErrorLine, Procedure, Requirement, Sensor
     from budget.results import Doubt
-    from budget.spec.records import ErrorLine, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged
 
 MOST = 16  # combinations that are all computed

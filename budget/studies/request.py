@@ -33,6 +33,9 @@ from budget.calibration.schemes import (
 )
 from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, UnitError
+from budget.inputs import load_procedure
+from budget.inputs.mission import MOST_TIMES
+from budget.inputs.records import UNCALIBRATED, Device
 from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
@@ -53,9 +56,6 @@ from budget.names import (
     meant,
     time_text,
 )
-from budget.spec import load_procedure
-from budget.spec.mission import MOST_TIMES
-from budget.spec.records import UNCALIBRATED, Device
 from budget.studies.aiding import problem_of_mission
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
@@ -65,16 +65,16 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.methods.gum import Propagation
-    from budget.problem import Problem
-    from budget.results import Budget, Settings
-    from budget.spec.records import (
+    from budget.inputs.records import (
         ErrorLine,
         Mission,
         Procedure,
         Requirement,
         Sensor,
     )
+    from budget.methods.gum import Propagation
+    from budget.problem import Problem
+    from budget.results import Budget, Settings
 
 METHODS = ("gum", "monte-carlo", "simulation")
 SHARED = (STATION, ENVIRONMENT)  # what all triads share

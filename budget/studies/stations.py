@@ -42,6 +42,16 @@ from budget.calibration.schemes import (
 )
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
+from budget.inputs import (
+    load_calibration,
+    load_devices,
+    load_requirement,
+    load_station,
+    load_stations,
+)
+from budget.inputs.records import UNCALIBRATED, ErrorLine
+from budget.inputs.station import IDEAL, at_station
+from budget.inputs.use import in_use, of_the_test
 from budget.language import note
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
@@ -58,16 +68,6 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
-from budget.spec import (
-    load_calibration,
-    load_devices,
-    load_requirement,
-    load_station,
-    load_stations,
-)
-from budget.spec.records import UNCALIBRATED, ErrorLine
-from budget.spec.station import IDEAL, at_station
-from budget.spec.use import in_use, of_the_test
 from budget.studies.blunders import against_limits
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import given_lines, not_weighted, sensors_of
@@ -81,12 +81,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.methods.scaling import ScaledLaw
-    from budget.model.source import Source
-    from budget.problem import Output, Problem
-    from budget.results import Standing
-    from budget.spec.files import File
-    from budget.spec.records import (
+    from budget.inputs.files import File
+    from budget.inputs.records import (
         Device,
         Limit,
         Procedure,
@@ -94,6 +90,10 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
+    from budget.methods.scaling import ScaledLaw
+    from budget.model.source import Source
+    from budget.problem import Output, Problem
+    from budget.results import Standing
 
 RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # limit over U of the station [1]
 GUARD, MOST_GUARD = 1.0, 10.0  # r, of a guard band r U [1]

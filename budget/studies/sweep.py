@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.spec import (
+from budget.inputs import (
     load_calibration,
     load_device,
     load_mission,
     load_requirement,
 )
-from budget.spec.changes import read_change
-from budget.spec.load import several
+from budget.inputs.changes import read_change
+from budget.inputs.load import several
 from budget.studies.analysis import analyze
 
 if TYPE_CHECKING:
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
     from budget.names import Name
     from budget.results import Budget
-    from budget.spec.files import File
-    from budget.spec.records import Device, Mission, Procedure, Requirement, Station
 
 
 def sweep(

@@ -40,6 +40,10 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
+from budget.inputs.records import FACTORY, JOINT, NONE
+from budget.inputs.specification import read_value, time_of
+from budget.inputs.station import IDEAL
+from budget.inputs.use import LINES, STATED, stated_of
 from budget.language import in_a_row, line_note, note, term
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
@@ -59,10 +63,6 @@ from budget.model.sources.temperature import (
 )
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
-from budget.spec.records import FACTORY, JOINT, NONE
-from budget.spec.specification import read_value, time_of
-from budget.spec.station import IDEAL
-from budget.spec.use import LINES, STATED, stated_of
 from budget.studies.aiding import (
     believed,
     journey_of,
@@ -97,9 +97,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.calibration.saturation import Peak
-    from budget.methods.gum import Propagation
-    from budget.results import Doubt, ReadingVerdicts
-    from budget.spec.records import (
+    from budget.inputs.records import (
         Device,
         ErrorLine,
         Mission,
@@ -107,6 +105,8 @@ if TYPE_CHECKING:
         Requirement,
         Sensor,
     )
+    from budget.methods.gum import Propagation
+    from budget.results import Doubt, ReadingVerdicts
     from budget.studies.ceilings import Ceiling
     from budget.studies.judgement import Judged, Limited
 

@@ -33,12 +33,12 @@ import numpy as np
 
 from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
+from budget.inputs.use import STATED
 from budget.language import axis_title, key_title, line_note, note, say
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.results import BY_LAW
-from budget.spec.use import STATED
 from budget.studies.conformity import margins
 from budget.studies.request import given_lines, limited_but_held
 from budget.studies.verdicts import (
@@ -61,11 +61,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine
     from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
     from budget.problem import Output
     from budget.results import Assessment, Budget
-    from budget.spec.records import ErrorLine
     from budget.studies.request import Analysis
     from budget.studies.verdicts import Case, Margin
 

@@ -9,19 +9,19 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
+from budget.inputs import load_device, load_procedure
+from budget.inputs.records import ErrorLine
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.results import input_files
-from budget.spec import load_device, load_procedure
-from budget.spec.records import ErrorLine
 from budget.units import PPM
 from zhao_2019.printed import load_paper
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import Procedure, Sensor
     from budget.problem import Problem
     from budget.results import InputFile
-    from budget.spec.records import Procedure, Sensor
     from zhao_2019.printed import Paper
 
 DEVICE = "zhao-2019"  # the shipped files hold the paper's values as printed

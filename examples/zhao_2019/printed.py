@@ -14,13 +14,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from budget.inputs.checking import check
+from budget.inputs.fields import Strict, fault, faults
+from budget.inputs.reader import read
+from budget.inputs.tree import describe
 from budget.language import note, say, term
 from budget.model.sources import lines_of
 from budget.names import ANGLES, Name
-from budget.spec.checking import check
-from budget.spec.fields import Strict, fault, faults
-from budget.spec.reader import read
-from budget.spec.tree import describe
 from budget.units import NUMBER, PPM
 
 FILE = Path(__file__).with_name("printed.yaml")

@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure
     from budget.problem import Problem
-    from budget.spec.records import Procedure
     from zhao_2019.conditions import Conditions
     from zhao_2019.printed import GivenReading
 

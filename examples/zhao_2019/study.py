@@ -26,8 +26,8 @@ from zhao_2019.table1 import reading_findings, table1_findings
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import Procedure
     from budget.results import InputFile
-    from budget.spec.records import Procedure
     from zhao_2019.conditions import Conditions
     from zhao_2019.orders import Sweep
     from zhao_2019.printed import Conclusion, Paper

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from budget.calibration.derived import combination, known_outputs, parts_of
 from budget.calibration.problem import calibration_problem
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.response import COLUMN, ROW, SIGN
 from budget.names import ANGLES, Name, every_output, parameters_of
-from budget.spec import load_procedure
 from budget.units import ARCSEC
 
 TRIADS = ("gyro", "accelerometer")

@@ -14,10 +14,10 @@ from numpy.testing import assert_allclose, assert_array_equal
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import answered, estimated
 from budget.calibration.simulation import simulate
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
 from budget.model.windows import Setting, Window
 from budget.names import Name, parameters_of
-from budget.spec import load_procedure
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")

@@ -19,11 +19,11 @@ from budget.calibration.mission import (
 )
 from budget.calibration.simulation import simulate
 from budget.earth import ROTATION_RATE, normal_gravity
+from budget.inputs import load_mission, load_procedure, uncalibrated
 from budget.methods.gum import propagate
 from budget.model.response import tilt_matrix
 from budget.model.source import Disturbance
 from budget.model.sources import SOURCES
-from budget.spec import load_mission, load_procedure, uncalibrated
 from budget.units import DEG_PER_HOUR, DEGREE, MICRO_G, PPM, STANDARD_GRAVITY
 
 LATITUDE = np.radians(34.2394)

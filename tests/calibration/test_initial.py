@@ -15,11 +15,11 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import calibrates
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.inputs import load_mission, load_procedure, uncalibrated
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.sources import lines_of
 from budget.names import Name, parameters_of
-from budget.spec import load_mission, load_procedure, uncalibrated
 from budget.studies.lower_bounds import expecting, lacking_of_mission
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM
 

@@ -16,9 +16,9 @@ from budget.calibration.mission import (
     not_carried,
     on_the_way,
 )
+from budget.inputs import load_mission, uncalibrated
+from budget.inputs.use import in_use
 from budget.methods.gum import propagate
-from budget.spec import load_mission, uncalibrated
-from budget.spec.use import in_use
 from budget.studies.aiding import problem_of_mission
 from budget.units import DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 

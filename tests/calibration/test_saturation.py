@@ -19,9 +19,9 @@ from budget.calibration.saturation import (
 from budget.calibration.schemes import refusals, schedule_of
 from budget.earth import ROTATION_RATE, meridian_radius, normal_gravity
 from budget.errors import CallError
+from budget.inputs import load_device, load_mission, load_procedure, uncalibrated
+from budget.inputs.records import Mission
 from budget.navigation.route import Track
-from budget.spec import load_device, load_mission, load_procedure, uncalibrated
-from budget.spec.records import Mission
 from budget.units import DEGREE, STANDARD_GRAVITY
 
 RATE = 3.0 * DEGREE  # of a turn [rad/s]

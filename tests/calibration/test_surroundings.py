@@ -15,10 +15,10 @@ from scipy.stats import chi2
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.distributions import UNIFORM
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
-from budget.spec import load_procedure
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM
 
 RAMP = "environment.temperature.ramp"

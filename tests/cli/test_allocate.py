@@ -11,7 +11,7 @@ from command_line import call, output
 from numpy.testing import assert_allclose
 from saying import assert_says
 
-from budget.spec import load_device
+from budget.inputs import load_device
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
 

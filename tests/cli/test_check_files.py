@@ -6,8 +6,8 @@ import re
 
 from command_line import call
 
+from budget.inputs import json_schema
 from budget.resources import shipped
-from budget.spec import json_schema
 
 REQUIREMENT = shipped("specs") / "requirements" / "navigation-grade.yaml"
 SHIPPED = sorted(shipped("specs").glob("*/*.yaml"))

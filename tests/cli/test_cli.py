@@ -432,7 +432,7 @@ def faulty(monkeypatch):
     def load():
         return {}["first\nsecond\x1b[2J"]
 
-    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    monkeypatch.setattr("budget.inputs.load_catalogue", load)
 
 
 @pytest.mark.usefixtures("faulty")
@@ -464,7 +464,7 @@ def test_a_pipe_that_breaks_inside_is_told(monkeypatch):
     def load():
         raise BrokenPipeError(errno.EPIPE, "Broken pipe")
 
-    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    monkeypatch.setattr("budget.inputs.load_catalogue", load)
     run = call("devices")
 
     assert (run.code, run.out) == (2, "")
@@ -477,7 +477,7 @@ def test_too_many_open_files_are_not_blamed_on_a_stream(monkeypatch):
     def load():
         raise OSError(errno.EMFILE, "Too many open files")
 
-    monkeypatch.setattr("budget.spec.load_catalogue", load)
+    monkeypatch.setattr("budget.inputs.load_catalogue", load)
     run = call("devices")
 
     assert (run.code, run.out) == (2, "")

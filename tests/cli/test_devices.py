@@ -9,7 +9,7 @@ from saying import assert_says
 
 import budget
 from budget.errors import SpecError
-from budget.spec import load_all, load_device, load_variants, variants
+from budget.inputs import load_all, load_device, load_variants, variants
 from budget.studies.grades import grade
 
 

@@ -10,8 +10,8 @@ from command_line import call
 
 from budget.cli.new import new
 from budget.errors import CallError
+from budget.inputs import load_device
 from budget.model.sources import SENSORS, lines_of
-from budget.spec import load_device
 
 
 def written(folder, *args):

@@ -17,7 +17,7 @@ from cProfile import Profile
 from pathlib import Path
 
 from budget.errors import SpecError
-from budget.spec import validate
+from budget.inputs import validate
 
 
 def check(name):

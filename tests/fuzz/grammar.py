@@ -8,7 +8,7 @@ from random import Random
 
 from hypothesis import strategies as st
 
-from budget.spec import json_schema
+from budget.inputs import json_schema
 
 NUMBERS = ("0.5", "1", "20", "1e-3", ".5", "5.", "+3E1", "1.25e+1")
 # Where a number of any size would break a rule that the schema does not know.

@@ -10,7 +10,7 @@ import numpy as np
 
 from budget.distributions import Distribution
 from budget.errors import SpecError, UnitError
-from budget.spec import (
+from budget.inputs import (
     load_costs,
     load_device,
     load_mission,
@@ -19,7 +19,7 @@ from budget.spec import (
     load_station,
     validate,
 )
-from budget.spec.tree import MOST_ISSUES
+from budget.inputs.tree import MOST_ISSUES
 from budget.units import KINDS, parse_quantity
 
 LOADERS = {

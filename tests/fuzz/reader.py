@@ -24,7 +24,7 @@ sys.path[:0] = [str(CHECKOUT), str(HERE.parent)]
 with atheris.instrument_imports(include=["budget"]):
     from fuzz.oracle import LIKES, LOADERS, UNITS, judge_input
 
-    from budget.spec import json_schema
+    from budget.inputs import json_schema
 
 FOUND = HERE / "found"
 LONGEST = 1500  # bytes; longer files are the business of test_cost.py

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from budget.errors import SpecError
-from budget.spec import reader, validate
+from budget.inputs import reader, validate
 
 pytestmark = pytest.mark.slow  # hostile files
 

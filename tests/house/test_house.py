@@ -21,7 +21,7 @@ FLOORS = (
     ("units", "language", "resources"),
     ("distributions",),
     ("problem", "model", "navigation"),
-    ("spec",),
+    ("inputs",),
     ("results",),
     ("calibration", "methods"),
     ("studies",),
@@ -211,10 +211,13 @@ def test_tests_stand_where_their_modules_do():
 
 def test_a_misplaced_test_is_seen(tmp_path):
     """Control: a folder that the package has not, and a test not with its module."""
-    for place in ("cabin/test_a.py", "spec/test_sobol.py", "methods/test_sobol.py"):
+    for place in ("cabin/test_a.py", "inputs/test_sobol.py", "methods/test_sobol.py"):
         (tmp_path / place).parent.mkdir(exist_ok=True)
         (tmp_path / place).touch()
-    assert list(misplaced_tests(tmp_path)) == ["cabin/test_a.py", "spec/test_sobol.py"]
+    assert list(misplaced_tests(tmp_path)) == [
+        "cabin/test_a.py",
+        "inputs/test_sobol.py",
+    ]
 
 
 def test_a_fact_that_a_text_drops_is_seen():
@@ -315,7 +318,7 @@ def test_a_worker_loads_nothing_that_reads_files():
     """What a worker unpickles of a calibration needs no pydantic and no YAML."""
     loaded = loaded_by(
         "import budget.methods.monte_carlo, budget.methods.sobol",
-        "import budget.calibration.problem, budget.spec.records",
+        "import budget.calibration.problem, budget.inputs.records",
     )
     assert "numpy" in loaded
     assert not loaded & {*DRAWING, "pydantic", "yaml", "rich", "typer"}

@@ -381,7 +381,7 @@ def test_blocks_use_the_memory_of_those_before():
         "from resource import RUSAGE_SELF, getrusage\n"
         "from budget.calibration.problem import calibration_problem\n"
         "from budget.methods.monte_carlo import sample\n"
-        "from budget.spec import load_device, load_procedure\n"
+        "from budget.inputs import load_device, load_procedure\n"
         "device = load_device('zhao-2019')\n"
         "problem = calibration_problem(device.sensors, load_procedure(None))\n"
         "for _ in range(4):\n"

@@ -13,11 +13,11 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from budget.calibration.mission import mission_outputs, mission_problem
+from budget.inputs import load_mission, uncalibrated
+from budget.inputs.use import in_use
 from budget.methods.gum import propagate
 from budget.navigation.growth import AxisNoise, Growth, Markov, White
 from budget.navigation.route import Leg, Legs, Start, Track, moments, moved
-from budget.spec import load_mission, uncalibrated
-from budget.spec.use import in_use
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 BENCH = Legs(start=Start(latitude=np.radians(34.2394)), legs=(Leg(duration=3600.0),))

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 import pytest
 from reference_examples import computing_once
 
+from budget.inputs.device import variant_names
+from budget.inputs.files import find, open_file, shipped_names
 from budget.references.check import check, make_reference
 from budget.references.difference import find_moves
 from budget.references.exchange import KeyChange, effective, exchange, input_changes
@@ -21,8 +23,6 @@ from budget.references.jobs import by_law, compute
 from budget.references.records import Asked
 from budget.references.store import read_reference
 from budget.resources import shipped
-from budget.spec.device import variant_names
-from budget.spec.files import find, open_file, shipped_names
 
 NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
 # Keys of a figure that are words, though some begin with a digit ('1 sigma').

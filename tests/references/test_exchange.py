@@ -9,6 +9,9 @@ from numpy.testing import assert_allclose
 from places import DOCS
 from reference_examples import DEVICE, parts_of
 
+from budget.inputs.composer import compose
+from budget.inputs.device import read_device
+from budget.inputs.tree import Document, plain
 from budget.references.exchange import (
     FIGURE_TEXTS,
     RANGE_TEXTS,
@@ -18,9 +21,6 @@ from budget.references.exchange import (
     exchange,
     is_text,
 )
-from budget.spec.composer import compose
-from budget.spec.device import read_device
-from budget.spec.tree import Document, plain
 from budget.units import DEG_PER_HOUR
 
 FILES = DOCS / "files.md"

@@ -10,10 +10,10 @@ import pytest
 from command_line import call
 
 from budget.cli import options
+from budget.inputs import reader
 from budget.references import records
 from budget.references.files import digest, take
 from budget.references.store import _checksum
-from budget.spec import reader
 
 DEVICE = "name: One\ngyro: {errors: {bias_repeatability: 0.1 deg/h}}\n"
 PRIVATE = "mine: hunter2\n"

@@ -9,12 +9,12 @@ from reference_examples import parts_of
 
 from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
+from budget.inputs.device import read_device
+from budget.inputs.procedure import read_procedure
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.problem import Group, Output, Problem
 from budget.references.sampling import BATCHES, standard_errors
-from budget.spec.device import read_device
-from budget.spec.procedure import read_procedure
 
 SEEDS = 300
 TRIALS = 4000

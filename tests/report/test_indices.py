@@ -8,10 +8,10 @@ import pytest
 from builders import NOWHERE, procedure, sensor
 from document_text import on_terminal
 
+from budget.inputs.records import Device
 from budget.report.analysis.groups import budget_answer
 from budget.report.figures.sources import sobol_chart
 from budget.report.tables import print_index
-from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR
 

@@ -8,8 +8,8 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 
+from budget.inputs import load_mission
 from budget.report.route import route_section
-from budget.spec import load_mission
 from budget.studies.cautions import of_no_vehicle
 
 

@@ -15,11 +15,11 @@ from places import TESTS
 
 from budget.earth import normal_gravity
 from budget.errors import CallError
+from budget.inputs import load_device, load_mission, load_procedure, uncalibrated
+from budget.inputs.records import Believed, OwnFilter
 from budget.names import Name
 from budget.navigation.aided import Aided
 from budget.results import INTERACTION
-from budget.spec import load_device, load_mission, load_procedure, uncalibrated
-from budget.spec.records import Believed, OwnFilter
 from budget.studies.aiding import journey_of
 from budget.studies.learnt import filtered
 from budget.studies.mission import SEEN, curve

@@ -14,9 +14,9 @@ from command_line import call
 from numpy.testing import assert_allclose
 from places import TESTS
 
+from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
 from budget.results import Settings
-from budget.spec import load_device, load_mission, load_requirement, uncalibrated
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
 from budget.studies.what_if import what_if

@@ -16,10 +16,10 @@ from saying import assert_says
 
 from budget import compare
 from budget.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, normal_gravity
+from budget.inputs import load_device, load_procedure
+from budget.inputs.files import shipped_names
+from budget.inputs.records import Limit, Origin, Requirement
 from budget.names import Name
-from budget.spec import load_device, load_procedure
-from budget.spec.files import shipped_names
-from budget.spec.records import Limit, Origin, Requirement
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.blunders import (

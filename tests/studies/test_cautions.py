@@ -15,6 +15,8 @@ import budget
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL, UNIFORM
 from budget.errors import CallError, ProblemError, SpecError
+from budget.inputs import load_device
+from budget.inputs.records import Device, Limit, Requirement
 from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
@@ -22,8 +24,6 @@ from budget.methods.sobol import sobol
 from budget.methods.validation import validate
 from budget.names import Name
 from budget.problem import Group, Output, Problem
-from budget.spec import load_device
-from budget.spec.records import Device, Limit, Requirement
 from budget.studies.analysis import analyze
 from budget.studies.conformity import assess
 from budget.studies.verdicts import cautions_of_device

@@ -12,9 +12,9 @@ from command_line import call
 from numpy.testing import assert_allclose
 from saying import assert_says
 
+from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
 from budget.results import Settings
-from budget.spec import load_device, load_mission, load_requirement, uncalibrated
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare

@@ -8,10 +8,10 @@ import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
+from budget.inputs import load_device
 from budget.model.sources import FLICKER
 from budget.names import Name
 from budget.results import INTERACTION
-from budget.spec import load_device
 from budget.studies.analysis import analyze
 from budget.studies.input_quantities import input_quantities
 from budget.studies.request import Analysis

@@ -15,12 +15,12 @@ from numpy.testing import assert_allclose
 
 from budget import load_device, load_requirement
 from budget.errors import CallError
+from budget.inputs.load import load_variants
 from budget.names import Name
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
 from budget.report.comparison.tables import rankings
 from budget.report.comparison.wording import missing_effects
-from budget.spec.load import load_variants
 from budget.studies.ceilings import ceilings
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.ranking import rank

@@ -12,11 +12,11 @@ from scipy.linalg import toeplitz
 from scipy.special import sici
 
 from budget.errors import CallError
+from budget.inputs import load_device, load_mission, load_procedure, uncalibrated
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.trials import first_trials
 from budget.names import MISSION, Name
 from budget.results import INTERACTION
-from budget.spec import load_device, load_mission, load_procedure, uncalibrated
 from budget.studies.analysis import analyze
 from budget.studies.mission import bought, curve, growth
 from budget.studies.request import Analysis

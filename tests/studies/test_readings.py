@@ -14,9 +14,9 @@ from saying import assert_says
 
 import budget
 from budget.errors import SpecError
+from budget.inputs import load_device
 from budget.report.analysis.verdict import summary, verdict_cards
 from budget.report.readings import effect_line, verdict_line
-from budget.spec import load_device
 from budget.studies.readings import MOST, effects, under, verdicts_by_reading
 from budget.studies.request import analysis_of
 from budget.studies.what_if import what_if

@@ -12,15 +12,15 @@ from numpy.testing import assert_allclose
 from scipy.special import ndtri
 
 from budget.errors import CallError
-from budget.names import Name
-from budget.report.stations import station_yaml
-from budget.spec import (
+from budget.inputs import (
     load_device,
     load_procedure,
     load_requirement,
     load_station,
     load_stations,
 )
+from budget.names import Name
+from budget.report.stations import station_yaml
 from budget.studies.analysis import analyze
 from budget.studies.stations import CEILINGS, qualify, station_sources
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM, parse_quantity

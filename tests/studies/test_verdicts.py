@@ -12,7 +12,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
-from budget.spec import load_device, load_mission, load_requirement
+from budget.inputs import load_device, load_mission, load_requirement
 from budget.studies.allocation.cases import Bounds
 from budget.studies.comparison.compare import compare
 

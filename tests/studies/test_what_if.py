@@ -15,9 +15,9 @@ from report_examples import make_device
 from budget import analyze, load_device, load_mission, load_requirement
 from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
+from budget.inputs.records import Limit, Origin, Requirement
 from budget.names import MISSION, Name
 from budget.results import Settings
-from budget.spec.records import Limit, Origin, Requirement
 from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis

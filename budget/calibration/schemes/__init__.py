@@ -15,6 +15,7 @@ from budget.calibration.schemes.least_squares import scheme_by_least_squares
 from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
+from budget.inputs.records import FACTORY, UNCALIBRATED
 from budget.language import note
 from budget.model.norm import NormScheme
 from budget.model.response import SIGN, STATISTICS, statistics_of
@@ -24,13 +25,12 @@ from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
-from budget.spec.records import FACTORY, UNCALIBRATED
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.calibration.saturation import Peak
-    from budget.spec.records import ErrorLine, Procedure, Sensor
+    from budget.inputs.records import ErrorLine, Procedure, Sensor
 
 WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
 NORM = "norm"  # of dwells at unknown attitudes

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure, Sensor
     from budget.model.scheme import Held
     from budget.model.source import Given
     from budget.model.windows import Schedule
-    from budget.spec.records import Procedure, Sensor
 
 # White, of the mean variance of disturbances: noise so far below them is none, and C
 # keeps an inverse [1].

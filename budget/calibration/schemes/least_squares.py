@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure
     from budget.model.scheme import Held
     from budget.model.windows import Schedule
-    from budget.spec.records import Procedure
 
 
 Task = tuple["Array", "Array | None", "NDArray[np.bool_] | None", "dict[int, Array]"]

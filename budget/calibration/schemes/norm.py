@@ -12,9 +12,9 @@ from budget.model.scheme import not_told_apart
 from budget.names import parameters_of
 
 if TYPE_CHECKING:
+    from budget.inputs.records import Procedure
     from budget.model.scheme import Held
     from budget.model.windows import Schedule
-    from budget.spec.records import Procedure
 
 
 def scheme_by_norm(

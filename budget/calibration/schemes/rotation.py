@@ -16,9 +16,9 @@ from budget.names import parameters_of
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.inputs.records import Procedure
     from budget.model.scheme import Held
     from budget.model.windows import Schedule
-    from budget.spec.records import Procedure
 
 CONTINUOUS = 1e-9  # what an attitude that a turn leads to may be off by [1]
 

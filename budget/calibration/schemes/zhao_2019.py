@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import AccelerometerProcedure, GyroProcedure, Procedure
+    from budget.inputs.records import AccelerometerProcedure, GyroProcedure, Procedure
 
 FACE_ORDER = ("z", "x", "y")  # Zhao 2019, section 1.2.3: z up, z down, x up, ...
 TABLE_AXES = (INNER, MIDDLE, OUTER)  # that turn about body x, y, z at table zero

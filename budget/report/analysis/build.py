@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from budget.inputs.records import UNCALIBRATED
 from budget.language import key_title, say
 from budget.report.analysis.groups import (
     budget_section,
@@ -54,7 +55,6 @@ from budget.report.inputs import (
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import group_tables, print_count
 from budget.report.wording import capital, not_given_lines, parted, points, say_words
-from budget.spec.records import UNCALIBRATED
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
@@ -63,6 +63,7 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+    from budget.inputs.records import Device, Mission, Procedure
     from budget.report.analysis.verdict import LargestContribution
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.report.blocks import Picture, Words
@@ -70,7 +71,6 @@ if TYPE_CHECKING:
     from budget.report.formulas import Math
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
-    from budget.spec.records import Device, Mission, Procedure
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence

@@ -42,10 +42,10 @@ if TYPE_CHECKING:
     from collections.abc import Set as AbstractSet
 
     from budget.arrays import Array
+    from budget.inputs.records import Device, Procedure
     from budget.model.scheme import Scheme
     from budget.report.blocks import Block, Table, Words
     from budget.results import Settings
-    from budget.spec.records import Device, Procedure
 
     # A row of the weights: its axis, window, mean input, weights.
     Record = tuple[str, str, Array, Array]

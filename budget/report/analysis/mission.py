@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION
 from budget.report.analysis.groups import rest_sections, verdict_sections
@@ -24,7 +25,6 @@ from budget.report.route import way_of
 from budget.report.tables import full_title, of_the_variance, validation_words
 from budget.report.wording import standing_blocks
 from budget.results import BY_PREDICTION
-from budget.spec.records import UNCALIBRATED
 from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words
 

@@ -7,6 +7,7 @@ from functools import partial
 from math import fsum, sqrt
 from typing import TYPE_CHECKING
 
+from budget.inputs.use import LINES
 from budget.language import counted, key_title, say, term, words
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION, source_of
 from budget.report.blocks import (
@@ -32,18 +33,17 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital, share_cell
 from budget.results import INTERACTION
-from budget.spec.use import LINES
 from budget.studies.request import SHARED, given_lines
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from budget.inputs.records import ErrorLine, Procedure
     from budget.names import Name
     from budget.report.blocks import Block, Table, Words
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
-    from budget.spec.records import ErrorLine, Procedure
     from budget.studies.cautions import Unfelt
 
 LEAST_SAID = 0.001  # share of a variance that is printed as a number [1]

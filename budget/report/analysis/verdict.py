@@ -66,6 +66,7 @@ from budget.ties import first_largest, from_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from budget.inputs.records import Device, ErrorLine, Procedure
     from budget.names import Name
     from budget.report.blocks import Block, Table, Words
     from budget.report.tables import GroupTable
@@ -76,7 +77,6 @@ if TYPE_CHECKING:
         SensorAssessment,
         Settings,
     )
-    from budget.spec.records import Device, ErrorLine, Procedure
 
 
 ON_A_CARD = 3  # conditions and cautions at the most

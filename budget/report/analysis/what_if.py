@@ -7,6 +7,7 @@ from functools import partial
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
+from budget.inputs.records import CHANGED
 from budget.language import key_title, say, term
 from budget.names import AIDING, MISSION
 from budget.report.blocks import (
@@ -29,16 +30,15 @@ from budget.report.tables import (
 )
 from budget.report.wording import VERDICTS, cell, share_cell
 from budget.results import BY_LAW
-from budget.spec.records import CHANGED
 from budget.studies.request import sensors_of
 from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
+    from budget.inputs.records import Device, Sensor
     from budget.report.blocks import Table
     from budget.results import Budget
-    from budget.spec.records import Device, Sensor
     from budget.studies.what_if import SourceSteps, WhatIf
 
 HEADS = {

@@ -11,6 +11,7 @@ from budget.calibration.schemes import schedule_of
 from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
 )
+from budget.inputs.records import AXES
 from budget.language import counted, say, term
 from budget.report.blocks import Cell, Field, Section, table_of
 from budget.report.figures.rows import (
@@ -26,15 +27,14 @@ from budget.report.figures.rows import (
 from budget.report.figures.style import BLUE, PAPER, WIDE, fits
 from budget.report.tables import print_given
 from budget.report.wording import capital
-from budget.spec.records import AXES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Procedure
     from budget.model.windows import Window
     from budget.report.blocks import Table
     from budget.report.figures.rows import Mark
-    from budget.spec.records import Procedure
 
 SPAN = WIDE - 80.0  # of an axis at least [pt]
 TURN, DWELL = 0.68, 0.18  # opacities of the one hue

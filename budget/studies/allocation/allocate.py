@@ -11,20 +11,20 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
-from budget.language import note
-from budget.methods.allocation import TOUCHES
-from budget.methods.gum import propagate
-from budget.methods.trials import coverage_of
-from budget.names import IMU, MISSION, Name
-from budget.results import input_files
-from budget.spec import (
+from budget.inputs import (
     load_calibration,
     load_costs,
     load_devices,
     load_mission,
     load_requirement,
 )
-from budget.spec.use import in_use
+from budget.inputs.use import in_use
+from budget.language import note
+from budget.methods.allocation import TOUCHES
+from budget.methods.gum import propagate
+from budget.methods.trials import coverage_of
+from budget.names import IMU, MISSION, Name
+from budget.results import input_files
 from budget.studies.allocation.cases import (
     COVERAGE_OFF,
     NO_BOUNDS,
@@ -67,9 +67,8 @@ from budget.studies.verdicts import Case, stand
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from budget.results import Standing
-    from budget.spec.files import File
-    from budget.spec.records import (
+    from budget.inputs.files import File
+    from budget.inputs.records import (
         Costs,
         Device,
         Mission,
@@ -78,6 +77,7 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
+    from budget.results import Standing
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.progress import Progress
 

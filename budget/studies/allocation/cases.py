@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.methods.scaling import ScaledLaw
-    from budget.problem import Output, Problem
-    from budget.spec.records import (
+    from budget.inputs.records import (
         Costs,
         ErrorLine,
         Mission,
@@ -40,6 +38,8 @@ if TYPE_CHECKING:
         Requirement,
         Sensor,
     )
+    from budget.methods.scaling import ScaledLaw
+    from budget.problem import Output, Problem
     from budget.studies.judgement import Judged
 
 STRATEGIES = ("proportional", "equal", "cost")

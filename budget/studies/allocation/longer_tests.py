@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure, Sensor
     from budget.methods.allocation import Task
     from budget.methods.scaling import ScaledLaw
-    from budget.spec.records import Procedure, Sensor
     from budget.studies.allocation.cases import SensorCase
 
 MOST_TURNS = 1000  # at 20 deg/s five hours for each axis and sense

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import SpecError
+from budget.inputs import load_variants
 from budget.model.sources import BAND, SAMPLE_NOISE
 from budget.names import Name
 from budget.resources import shipped
-from budget.spec import load_variants
 from budget.studies.allocation.records import LineMatch, Match
 from budget.ties import settle
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.spec.records import Device, ErrorLine, Sensor
+    from budget.inputs.records import Device, ErrorLine, Sensor
 
 # White noise is printed as a density or for every sample: one is the other over the
 # root of the sample rate.

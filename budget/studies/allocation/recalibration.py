@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
+from budget.inputs.station import with_age
 from budget.model.sources.later import AGEING
-from budget.spec.station import with_age
 from budget.studies.allocation.longer_tests import (
     AS_THEY_ARE,
     largest_utilisation,
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from budget.arrays import Array
+    from budget.inputs.records import Procedure
     from budget.methods.scaling import ScaledLaw
-    from budget.spec.records import Procedure
     from budget.studies.allocation.cases import SensorCase
 
 SOONEST, LATEST = DAY, 30.0 * YEAR  # [s]

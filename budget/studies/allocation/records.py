@@ -12,9 +12,9 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.inputs.records import Device, Sensor
     from budget.problem import Output
     from budget.results import InputFile, Standing
-    from budget.spec.records import Device, Sensor
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
 

@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.records import Sensor
     from budget.methods.allocation import Task
-    from budget.spec.records import Sensor
     from budget.studies.allocation.cases import SensorCase
 
 ONE_PERCENT = 0.01  # [1]

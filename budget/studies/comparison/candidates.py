@@ -24,9 +24,9 @@ from budget.ties import first_largest, settle
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from budget.inputs.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.methods.gum import Propagation
     from budget.results import Standing
-    from budget.spec.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.studies.judgement import Judged
 
 

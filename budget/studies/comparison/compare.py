@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.schemes import refusals, with_accelerometers
 from budget.errors import CallError
+from budget.inputs import load_calibration, load_devices, load_mission, load_requirement
+from budget.inputs.load import several
+from budget.inputs.use import in_use
 from budget.language import note
 from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, by_group
 from budget.results import Settings, input_file, named_files
-from budget.spec import load_calibration, load_devices, load_mission, load_requirement
-from budget.spec.load import several
-from budget.spec.use import in_use
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.comparison.candidates import Candidate, missing_lines
@@ -46,9 +46,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from concurrent.futures import Executor
 
-    from budget.results import Standing
-    from budget.spec.files import File
-    from budget.spec.records import (
+    from budget.inputs.files import File
+    from budget.inputs.records import (
         Device,
         Mission,
         Procedure,
@@ -56,6 +55,7 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
+    from budget.results import Standing
     from budget.studies.progress import Progress
 
 LEAST_TRIALS = 2

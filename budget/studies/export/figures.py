@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.inputs.specification import CORRELATION_TIME
 from budget.model.source import Offset
 from budget.model.sources import BAND, FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
 from budget.names import AXES, PARAMETERS, Name
-from budget.spec.specification import CORRELATION_TIME
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine, Sensor
     from budget.results import Budget, FilledLine
-    from budget.spec.records import ErrorLine, Sensor
 
 
 @dataclass(frozen=True, kw_only=True)

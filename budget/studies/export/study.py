@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.errors import CallError
+from budget.inputs import load_devices, load_procedure
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.results import (
@@ -21,7 +22,6 @@ from budget.results import (
     input_files,
     inputs_document,
 )
-from budget.spec import load_devices, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
@@ -33,9 +33,9 @@ from budget.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, Procedure, Sensor
     from budget.results import Budget
-    from budget.spec.files import File
-    from budget.spec.records import Device, Procedure, Sensor
     from budget.studies.export.template import Exported, Target
 
 # What a calibration finds, of the figures that targets hold.

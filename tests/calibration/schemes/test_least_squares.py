@@ -28,13 +28,13 @@ from budget.calibration.schemes import (
     scheme_of,
 )
 from budget.errors import CallError
+from budget.inputs import load_device, load_procedure
 from budget.methods.gum import propagate
 from budget.model.noise import GaussMarkov, White
 from budget.model.response import Truth
 from budget.model.scheme import Held
 from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
-from budget.spec import load_device, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.request import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY

@@ -15,11 +15,11 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
 from budget.calibration.simulation import simulate
 from budget.errors import CallError, SpecError
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
 from budget.methods.trials import first_trials
 from budget.model.norm import sensitivity
 from budget.model.response import Truth
-from budget.spec import load_procedure
 from budget.units import ARCSEC, MICRO_G
 
 SHIPPED = ("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron")

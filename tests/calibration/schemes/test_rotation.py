@@ -14,10 +14,10 @@ from saying import assert_says
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of, schemes_of
 from budget.errors import CallError, SpecError
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
 from budget.model.response import Errors, Truth
 from budget.model.rotation import mean_rotation, rotation
-from budget.spec import load_procedure
 from budget.units import ARCSEC, DEG_PER_HOUR
 
 SHIPPED = "norm-and-turns-by-hand"

@@ -14,8 +14,8 @@ from saying import assert_says
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import schedule_of, scheme_of
 from budget.errors import SpecError
+from budget.inputs import load_procedure
 from budget.methods.gum import propagate
-from budget.spec import load_procedure
 from budget.units import ARCSEC, DEG_PER_HOUR
 
 BIAS = slice(9, 12)

@@ -17,13 +17,13 @@ from budget.distributions import NORMAL as NORMAL_SHAPE
 from budget.distributions import UNIFORM
 from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
 from budget.errors import CallError
+from budget.inputs import load_device, load_procedure
+from budget.inputs.records import Device
 from budget.methods.gum import propagate
 from budget.model.sources import SOURCES, STATION
 from budget.model.sources.rotation import Rotation
 from budget.model.windows import Setting, Timing, Window
 from budget.names import parameters_of
-from budget.spec import load_device, load_procedure
-from budget.spec.records import Device
 from budget.studies.analysis import analyze
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 

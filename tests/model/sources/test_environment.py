@@ -28,13 +28,13 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
 from budget.calibration.simulation import simulate
 from budget.errors import SpecError
+from budget.inputs import load_device
+from budget.inputs.records import Device
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.methods.sobol import sobol
 from budget.model.noise import GaussMarkov, stationary
 from budget.model.windows import Schedule, Setting, Window
-from budget.spec import load_device
-from budget.spec.records import Device
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY

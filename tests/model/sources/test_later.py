@@ -14,9 +14,9 @@ from saying import assert_says
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError, SpecError
+from budget.inputs import load_device, load_procedure
 from budget.methods.gum import propagate
 from budget.model.sources.later import DRIFT, RANDOM_WALK, growth
-from budget.spec import load_device, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.lower_bounds import expecting
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM, YEAR, parse_quantity

@@ -15,11 +15,11 @@ from scipy.integrate import quad
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import SpecError
+from budget.inputs import load_device
 from budget.methods.gum import propagate
 from budget.model.noise import Flicker, Quantized
 from budget.model.sources import processes
 from budget.model.windows import Schedule, Window
-from budget.spec import load_device
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 DAY = 86400.0  # [s]

@@ -14,6 +14,7 @@ import budget.model.sources
 from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
 from budget.distributions import NORMAL
+from budget.inputs.records import ErrorLine
 from budget.methods.gum import propagate
 from budget.model.response import BIAS
 from budget.model.source import TEST, Disturbance, Source
@@ -24,7 +25,6 @@ from budget.report.analysis.verdict import rank_contributions
 from budget.report.figures.sources import coupling_chart, share_chart
 from budget.report.inputs import inputs_section
 from budget.report.tables import group_tables
-from budget.spec.records import ErrorLine
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze

@@ -38,10 +38,10 @@ from budget.calibration import simulation
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.inputs.records import Device, Limit, Requirement
 from budget.methods.gum import propagate
 from budget.model.windows import Setting, Window
 from budget.names import Name
-from budget.spec.records import Device, Limit, Requirement
 from budget.studies.allocation.cases import Bounds, set_up, solve
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare

@@ -12,6 +12,7 @@ from figure_text import cut_texts
 from saying import assert_says
 
 from budget import load_device, load_procedure, load_requirement
+from budget.inputs.records import Limit
 from budget.names import Name
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
 from budget.report.allocation.page import (
@@ -24,7 +25,6 @@ from budget.report.blocks import Document, Picture, Table
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.typeset import typeset
-from budget.spec.records import Limit
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 

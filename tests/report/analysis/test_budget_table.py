@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
+from budget.inputs import load_device, load_procedure, load_requirement
 from budget.report.analysis.budget_table import (
     budget_remarks,
     budget_table,
@@ -18,7 +19,6 @@ from budget.report.analysis.budget_table import (
 from budget.report.analysis.groups import budget_section
 from budget.report.tables import AT_LEAST, AT_MOST, group_tables, print_divisor
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure, load_requirement
 from budget.studies.analysis import analyze
 
 COLUMNS = [

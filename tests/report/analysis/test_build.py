@@ -25,6 +25,10 @@ from report_examples import (
 from saying import assert_says
 
 from budget.distributions import TRIANGULAR
+from budget.inputs import load_requirement
+from budget.inputs.device import read_device
+from budget.inputs.reader import parse
+from budget.inputs.records import ANGLES
 from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
 from budget.report.blocks import (
@@ -41,10 +45,6 @@ from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.results import CapAssessment
-from budget.spec import load_requirement
-from budget.spec.device import read_device
-from budget.spec.reader import parse
-from budget.spec.records import ANGLES
 from budget.studies.evidence import gather_evidence
 from budget.studies.request import Analysis
 

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
 from budget import analyze, load_catalogue, load_device, load_procedure
+from budget.inputs import load_requirement
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.device_file import MARK, is_read_back
-from budget.spec import load_requirement
 from budget.studies import conformity, readings
 from budget.studies.judgement import judge_with
 from budget.studies.request import analysis_of, sensors_of

@@ -20,6 +20,14 @@ from numpy.testing import assert_allclose
 from places import TESTS
 from saying import assert_says
 
+from budget.inputs import (
+    load_device,
+    load_mission,
+    load_procedure,
+    load_requirement,
+    uncalibrated,
+)
+from budget.inputs.use import in_use
 from budget.language import speaking
 from budget.names import time_text
 from budget.report.analysis.mission import mission_section
@@ -29,14 +37,6 @@ from budget.report.figures.growth import Growth, growth_pictures
 from budget.report.mission import by_time
 from budget.report.tables import unit_for
 from budget.results import Settings
-from budget.spec import (
-    load_device,
-    load_mission,
-    load_procedure,
-    load_requirement,
-    uncalibrated,
-)
-from budget.spec.use import in_use
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import Analysis

@@ -11,13 +11,13 @@ from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget import load_device, load_procedure, load_requirement
+from budget.inputs import load_station
+from budget.inputs.station import at_station
 from budget.report.analysis.station import station_section
 from budget.report.blocks import Paragraph, Table
 from budget.report.figures.sources import coupling_chart
 from budget.report.inputs import inputs_section, procedure_section
 from budget.report.tables import group_tables, print_share
-from budget.spec import load_station
-from budget.spec.station import at_station
 from budget.studies.analysis import analyze
 from budget.studies.cautions import unfelt
 from budget.studies.coupling import coupling_by_law

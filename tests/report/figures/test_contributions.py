@@ -22,6 +22,7 @@ from report_examples import (
     with_indices,
 )
 
+from budget.inputs import load_device, load_procedure
 from budget.report.figures.contributions import (
     Critical,
     correlated,
@@ -40,7 +41,6 @@ from budget.report.figures.sources import coupling_chart, share_chart, sobol_cha
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure
 from budget.studies.analysis import analyze
 from budget.studies.coupling import coupling_by_law
 from budget.studies.request import analysis_of

@@ -26,6 +26,7 @@ from report_examples import (
 )
 from saying import assert_says
 
+from budget.inputs.records import AccelerometerProcedure
 from budget.names import Name
 from budget.report.analysis.groups import budget_section
 from budget.report.blocks import Picture
@@ -51,7 +52,6 @@ from budget.report.figures.sources import (
 from budget.report.figures.style import BLUE, INK, ON_DARK, STYLES, to_svg
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
-from budget.spec.records import AccelerometerProcedure
 
 BIAS = 2  # place of the gyro bias among the groups
 BOTH = ("gyro", "accelerometer")

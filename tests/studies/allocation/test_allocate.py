@@ -13,12 +13,12 @@ from numpy.testing import assert_allclose
 from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.errors import CallError
+from budget.inputs import load_device, load_procedure, load_requirement
+from budget.inputs.files import open_file
+from budget.inputs.records import Cost, Costs, Device, Limit, Requirement
 from budget.methods.gum import propagate
 from budget.names import Name
 from budget.resources import shipped
-from budget.spec import load_device, load_procedure, load_requirement
-from budget.spec.files import open_file
-from budget.spec.records import Cost, Costs, Device, Limit, Requirement
 from budget.studies.allocation import allocate as module
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds
@@ -592,7 +592,7 @@ def test_noise_of_a_sample_is_compared_as_a_density():
 
 def test_every_file_of_the_market_is_read_once():
     """The catalogue costs one reading of each of its files, however many variants."""
-    with patch("budget.spec.load.open_file", wraps=open_file) as opened:
+    with patch("budget.inputs.load.open_file", wraps=open_file) as opened:
         load_catalogue()
     files = sorted((shipped("specs") / "devices").glob("*.yaml"))
     assert [one.args[0].path for one in opened.call_args_list] == files

@@ -10,11 +10,11 @@ from comparison_examples import requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError
+from budget.inputs import load_device, load_mission, load_procedure
+from budget.inputs.records import Limit
 from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
 from budget.names import MISSION, Name
-from budget.spec import load_device, load_mission, load_procedure
-from budget.spec.records import Limit
 from budget.studies.allocation import allocate as module
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds, resize

@@ -12,10 +12,10 @@ from numpy.testing import assert_allclose
 from places import TESTS
 from saying import assert_says
 
+from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.methods.allocation import headroom_of
 from budget.methods.scaling import scaled_law
 from budget.names import Name
-from budget.spec import load_device, load_mission, load_requirement, uncalibrated
 from budget.studies.allocation import cases, rows
 from budget.studies.allocation.allocate import allocate
 from budget.studies.judgement import required_problem

@@ -13,10 +13,10 @@ from comparison_examples import SMALL, device, paper_device, requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError
+from budget.inputs import load_device, load_mission, uncalibrated
+from budget.inputs.records import Limit
 from budget.names import MISSION, Name
 from budget.results import Settings
-from budget.spec import load_device, load_mission, uncalibrated
-from budget.spec.records import Limit
 from budget.studies.analysis import analyze, analyze_as
 from budget.studies.comparison.compare import compare
 

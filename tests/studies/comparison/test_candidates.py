@@ -23,8 +23,8 @@ from numpy.testing import assert_allclose
 from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
 from budget.errors import CallError
+from budget.inputs.records import Requirement
 from budget.methods.gum import propagate
-from budget.spec.records import Requirement
 from budget.studies.comparison.candidates import find_remedy
 from budget.studies.figures_of_merit import (
     Amount,

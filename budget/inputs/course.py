@@ -1,0 +1,204 @@
+"""What a mission file says of temperature and vibration that are known on the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+from pydantic_core import core_schema
+
+from budget.inputs.aiding import Spanned, Time
+from budget.inputs.fields import Checked, Later, Measured, Sign, Strict
+from budget.model.course import Fading, Profile, Stretches
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from pydantic import GetCoreSchemaHandler
+    from pydantic_core import CoreSchema
+
+    from budget.inputs.records import ErrorLine
+    from budget.model.course import Course
+
+MOST_POINTS = 1000  # of a profile
+_ROUNDING = 1e-9  # of a time, relative
+Reading = Annotated[Quantity, Measured("degC", Sign.ANY)]
+Level = Annotated[Quantity, Measured("g")]
+EXAMPLE = "{reference: 25 degC, profile: [[0 s, 20 degC], [600 s, 45 degC]]}"
+Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
+
+
+@dataclass(frozen=True, kw_only=True)
+class Known:
+    """A course, and how it is shown."""
+
+    course: Course
+    printed: str
+    unit: str
+
+
+class WarmUpPart(Strict):
+    """T - T0 = -by exp(-t/time), T0 the temperature of the test."""
+
+    by: Reading = Field(description="how far it is below that of the test at the start")
+    time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] = Field(
+        description="in which it comes as near as 1/e"
+    )
+
+
+class TemperaturePart(Checked):
+    """A temperature that is known at every time, in place of how far it may be off."""
+
+    reference: Reading | None = Field(
+        default=None, description="beside a profile: the temperature of the test"
+    )
+    profile: tuple[tuple[Time, Reading], ...] | None = Field(
+        default=None,
+        max_length=MOST_POINTS,
+        description="points of time from the mission's start and temperature, linear "
+        "between them and constant beyond",
+    )
+    warm_up: WarmUpPart | None = Field(
+        default=None, description="in place of a profile: it comes to that of the test"
+    )
+
+    def _faults(self) -> Faults:
+        """Return what is wrong with it."""
+        if self.warm_up is not None:
+            others = (key for key in ("reference", "profile") if getattr(self, key))
+            text = "stands beside warm_up, which ends at the temperature of the test"
+            return {(key,): f"{text}; remove one of them" for key in others}
+        if self.profile is None or self.reference is None:
+            lacks = "profile" if self.profile is None else "reference"
+            given = "reference" if self.profile is None else "profile"
+            return {
+                (given,): f"stands without {lacks}, expected such as {EXAMPLE}; "
+                "reference is the temperature of the test"
+            }
+        points = self.profile
+        found: Faults = {}
+        if len(points) < 2:  # noqa: PLR2004 - a line has two ends
+            found["profile",] = (
+                f"names fewer points than two, expected such as {EXAMPLE}"
+            )
+        for place, ((one, _), (after, _)) in enumerate(pairwise(points), start=1):
+            if after.value <= one.value:
+                found["profile", place] = (
+                    f"is at {after.printed} after {one.printed}, expected times that "
+                    "rise"
+                )
+        for place, (_, one) in enumerate(points):
+            if one.unit != self.reference.unit:
+                found["profile", place] = (
+                    f"found {one.printed!r} beside a reference of "
+                    f"{self.reference.printed!r}, expected the same unit in both: "
+                    "their zeros differ"
+                )
+        return found
+
+    def late(self, end: float) -> Faults:
+        """Return what is said of times after the mission's end [s]."""
+        return {
+            ("profile", place): f"is at {time.printed}, and the mission ends at "
+            f"{end:.6g} s; expected times within it"
+            for place, (time, _) in enumerate(self.profile or ())
+            if time.value > end * (1.0 + _ROUNDING)
+        }
+
+    def is_short(self, end: float) -> bool:
+        """Say whether a profile does not reach from the start to the end [s]."""
+        points = self.profile or ()
+        return bool(points) and not (
+            points[0][0].value == 0.0 and points[-1][0].value >= end * (1.0 - _ROUNDING)
+        )
+
+    @property
+    def known(self) -> Known:
+        """The course as a record."""
+        if self.warm_up is not None:
+            by, time = self.warm_up.by, self.warm_up.time
+            return Known(
+                course=Fading(by=by.value, time=time.value),
+                printed=f"{-by.value:.6g} degC exp(-t/({time.printed}))",
+                unit="degC",
+            )
+        zero = self.reference.value if self.reference else 0.0
+        times, values = zip(*self.profile or (), strict=True)
+        found = Profile(
+            times=tuple(time.value for time in times),
+            values=tuple(value.value - zero for value in values),
+        )
+        low, high = min(found.values), max(found.values)
+        return Known(
+            course=found, printed=f"{low:.6g} degC to {high:.6g} degC", unit="degC"
+        )
+
+
+class VibrationPart(Spanned):
+    """A vibration, rms, and when it is there."""
+
+    value: Level = Field(description="rms")
+
+
+def stretches(
+    spans: Iterable[tuple[float, float, Quantity]], rest: ErrorLine, end: float
+) -> Known:
+    """Return the course of vibrations in spans that are apart, to an end [s]."""
+    elsewhere = (float(rest.u[0]), rest.printed, rest.unit)
+    begins, sizes, last = [0.0], [elsewhere], 0.0
+    for begin, stop, one in sorted(spans, key=lambda span: span[:2]):
+        if begin <= last * (1.0 + _ROUNDING):
+            del begins[-1], sizes[-1]
+        begins += [begin, stop]
+        sizes += [(one.value, one.printed, one.unit), elsewhere]
+        last = stop
+    if begins[-1] >= end * (1.0 - _ROUNDING):
+        del begins[-1], sizes[-1]
+    (_, low, _), (_, high, unit) = min(sizes), max(sizes)
+    return Known(
+        course=Stretches(tuple(begins), tuple(value for value, *_ in sizes)),
+        printed=" to ".join(dict.fromkeys((low, high))),
+        unit=unit,
+    )
+
+
+@dataclass(frozen=True)
+class SizeOrCourse:
+    """Beside a value it annotates: a size, or a course in its place."""
+
+    size: Any  # type of it
+    course: Any  # likewise
+    keys: tuple[str, ...] = ()  # of a mapping that is a course; () where it is a list
+
+    def read(
+        self,
+        value: object,
+        size: core_schema.ValidatorFunctionWrapHandler,
+        info: core_schema.ValidationInfo,
+    ) -> object:
+        """Return either; what is wrong with it has its place in it."""
+        is_course = (
+            isinstance(value, dict) and bool({*self.keys} & value.keys())
+            if self.keys
+            else isinstance(value, list | tuple)
+        )
+        return (
+            Later(lambda: self.course).read(value, info) if is_course else size(value)
+        )
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either, and how to describe both."""
+        size = handler.generate_schema(self.size)
+        return core_schema.json_or_python_schema(
+            json_schema=core_schema.union_schema(
+                [size, handler.generate_schema(self.course)]
+            ),
+            python_schema=core_schema.with_info_wrap_validator_function(
+                self.read, size
+            ),
+        )

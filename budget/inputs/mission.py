@@ -1,0 +1,987 @@
+"""Mission files: where a calibrated unit goes by itself, and what it knows of that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from math import atan, ceil, degrees, floor, pi, remainder
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from budget.earth import normal_gravity
+from budget.inputs.aiding import (
+    MOST_EPOCHS,
+    OPTIMAL,
+    SELF,
+    ZERO_VELOCITY,
+    AidingPart,
+    Aids,
+    AlignmentPart,
+    FilterPart,
+    OrWord,
+)
+from budget.inputs.checking import check
+from budget.inputs.course import Level, TemperaturePart, VibrationPart, stretches
+from budget.inputs.fields import Checked, Measured, ShortText, Sign, Strict, faults
+from budget.inputs.files import exists, unshown
+from budget.inputs.procedure import MOST_HEIGHT
+from budget.inputs.records import Mission, Origin
+from budget.inputs.trajectory import (
+    LEAST_SPEED,
+    LONGEST,
+    MOST_LATITUDE,
+    MOST_SPEED,
+    read_trajectory,
+)
+from budget.inputs.tree import all_of, describe
+from budget.inputs.use import (
+    AGE_FIELD,
+    ON_THE_WAY_FIELD,
+    Age,
+    OnTheWay,
+    Stated,
+    stated_line,
+    stated_lines,
+)
+from budget.language import note
+from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema, core_schema
+
+    from budget.inputs.trajectory import Recorded
+    from budget.inputs.tree import Document
+
+PERFECT = "perfect"
+COORDINATED = "coordinated"
+AIDED, FREE = "aided", "free"
+LEVEL = note(
+    "mission.segments: the vehicle stays level, without bank in turns or pitch in "
+    "climbs"
+)
+BANKED = note(
+    "mission.segments: the vehicle stays level, but in turns that say bank: without "
+    "bank in others or pitch in climbs"
+)
+SHORTEST = 1e-3  # of a segment [s]
+MOST_SEGMENTS = 10_000
+MOST_STEPS = 10_000  # in which errors are carried along: 160 turns, 83 h of level
+# That are asked for: the law has second derivatives of every output.
+MOST_TIMES = 16
+DECADES = (10.0, 60.0, 600.0, 3600.0)  # asked for where nothing is said [s]
+_ROUNDING = 1e-9  # of a time, relative
+_SAME = 1e-6  # of a heading [rad], and of a speed, relative
+
+Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
+
+# What a segment may be, and which keys say more of it.
+MOVES = {
+    "stand": (),
+    "straight": ("speed", "heading"),
+    "turn": ("rate", "bank", "roll_rate"),
+    "climb": ("rate",),
+    "accelerate": ("to",),
+}
+# What a trajectory says in their place.
+PLACED = ("latitude", "longitude", "height", "speed", "heading", "segments")
+START = ("speed", "heading")  # what a mission and its first straight may say
+MEANWHILE = ("aiding", "vibration")  # what a group says of all its segments
+NEEDED = {"turn": "3 deg/s", "climb": "5 m/s", "accelerate": "100 m/s"}
+
+
+@dataclass(frozen=True)
+class RateOf(Measured):
+    """A rate: a velocity beside a climb, an angular rate beside anything else."""
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Return the rate that a text says."""
+        climbs = info.data.get("climb") is not None and info.data.get("turn") is None
+        return (CLIMB_RATE if climbs else TURN_RATE).read(value, info)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        return {"anyOf": [TURN_RATE.json_schema, CLIMB_RATE.json_schema]}
+
+
+TURN_RATE = Measured("deg/s", Sign.POSITIVE)
+CLIMB_RATE = Measured("m/s", Sign.ANY)
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
+Speed = Annotated[Quantity, Measured("m/s", bare=True)]
+Angle = Annotated[Quantity, Measured("deg", Sign.ANY, bare=True)]
+Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
+Count = Annotated[int, Field(ge=1, le=MOST_SEGMENTS)]
+
+
+class SegmentLine(Checked):
+    """What a level vehicle does for a while."""
+
+    stand: Span | None = Field(default=None, description="how long it stands still")
+    straight: Span | None = Field(
+        default=None, description="how long it goes on as it does"
+    )
+    turn: Angle | None = Field(
+        default=None, description="of the heading; positive to the right, as headings"
+    )
+    climb: Span | None = Field(default=None, description="how long it climbs or sinks")
+    accelerate: Span | None = Field(
+        default=None, description="how long its speed changes, evenly"
+    )
+    speed: Speed | None = Field(
+        default=None,
+        description="beside straight: of the first segment how fast the mission "
+        "begins, of others the speed that is reached by then",
+    )
+    heading: Angle | None = Field(
+        default=None, description="beside straight: likewise, from north to east"
+    )
+    rate: Annotated[Quantity, RateOf("deg/s")] | None = Field(
+        default=None, description="beside turn: deg/s; beside climb: m/s, upwards"
+    )
+    bank: Literal["level", "coordinated"] | None = Field(
+        default=None,
+        description="beside turn: level (unset), or coordinated, which leans so far "
+        "that nothing pulls aside",
+    )
+    roll_rate: Annotated[Quantity, TURN_RATE] | None = Field(
+        default=None, description="beside bank: at which it is entered and left"
+    )
+    to: Speed | None = Field(
+        default=None, description="beside accelerate: the speed at its end"
+    )
+    repeat: Count = Field(default=1, description="times one after the other")
+    aiding: Aids | None = Field(
+        default=None, description="what is measured meanwhile, of mission.aiding"
+    )
+    vibration: Level | None = Field(
+        default=None, description="meanwhile, rms; elsewhere that of environment"
+    )
+
+    def _faults(self) -> Faults:
+        """Return what is wrong with it."""
+        given = [key for key in MOVES if getattr(self, key) is not None]
+        if not given:
+            words = ", ".join(MOVES)
+            return {
+                ("stand",): f"says not what the vehicle does, expected one of {words}, "
+                "such as 'stand: 60 s'"
+            }
+        own, *others = given
+        found: Faults = {
+            (key,): f"stands beside {own}, and a segment is one thing; give each a "
+            "segment of its own"
+            for key in others
+        }
+        for key in ("speed", "heading", "rate", "bank", "roll_rate", "to"):
+            if getattr(self, key) is not None and key not in MOVES[own]:
+                owners = " or ".join(
+                    move for move, keys in MOVES.items() if key in keys
+                )
+                found[key,] = f"is of {owners}, and this is {own}; remove it"
+                if key in START:
+                    found[key,] += (
+                        f"; for the {key} at the start put it under mission.{key}"
+                    )
+        for key in ("speed", "to", "rate"):
+            one = getattr(self, key)
+            if one is not None and abs(one.value) > MOST_SPEED and own != "turn":
+                found.setdefault((key,), _too_fast(one.printed))
+        if own in NEEDED and getattr(self, MOVES[own][0]) is None:
+            key = MOVES[own][0]
+            found[own,] = f"stands without {key}, expected '{key}: {NEEDED[own]}' there"
+        found = {**self._bank_faults(), **found}
+        if not found and not SHORTEST <= self.length <= LONGEST * (1.0 + _ROUNDING):
+            found[own,] = f"takes {self.length:.6g} s, expected {SHORTEST:g} s to 24 h"
+        return found
+
+    def _bank_faults(self) -> Faults:
+        """Return what is wrong with its bank and its rolls."""
+        if self.bank == COORDINATED and self.roll_rate is None:
+            text = "stands without roll_rate, expected 'roll_rate: 20 deg/s' there"
+            return {("bank",): text}
+        if self.bank != COORDINATED and self.roll_rate is not None:
+            text = (
+                "is of 'bank: coordinated', which is not there; add it, or remove this"
+            )
+            return {("roll_rate",): text}
+        return {}
+
+    @property
+    def move(self) -> str:
+        """What it is: 'stand', 'turn', ..."""
+        return next(key for key in MOVES if getattr(self, key) is not None)
+
+    @property
+    def length(self) -> float:
+        """How long it takes once [s]."""
+        if self.turn is not None and self.rate is not None:
+            return abs(self.turn.value) / self.rate.value
+        span: Quantity = getattr(self, self.move)
+        return span.value
+
+    @property
+    def steps(self) -> int:
+        """In how many steps errors are carried along it once, at the least."""
+        turned = abs(self.turn.value) if self.turn is not None else 0.0
+        if self.roll_rate is not None:  # to 90 deg and back, if there is time
+            turned += min(pi, self.roll_rate.value * self.length) + 2.0 * TURN_STEP
+        return ceil(max(self.length / STEP, turned / TURN_STEP, 1.0) - _ROUNDING)
+
+    def leg(self, here: Start) -> Leg:
+        """Return it, begun there.
+
+        The bank of a coordinated turn is atan(v w/g): nothing is sensed to the side.
+        """
+        climb_rate = turn_rate = acceleration = bank = roll_rate = 0.0
+        if self.turn is not None and self.rate is not None:
+            sense = 1.0 if self.turn.value > 0.0 else -1.0
+            turn_rate = sense * self.rate.value
+            if self.roll_rate is not None:
+                gravity = normal_gravity(here.latitude, here.height)
+                bank = atan(here.speed * turn_rate / gravity)
+                roll_rate = sense * self.roll_rate.value if bank else 0.0
+        elif self.climb is not None and self.rate is not None:
+            climb_rate = self.rate.value
+        elif self.accelerate is not None and self.to is not None:
+            acceleration = (self.to.value - here.speed) / self.length
+        return Leg(
+            duration=self.length,
+            turn_rate=turn_rate,
+            acceleration=acceleration,
+            climb_rate=climb_rate,
+            bank=bank,
+            roll_rate=roll_rate,
+        )
+
+    @property
+    def number(self) -> int:
+        """How many segments it stands for."""
+        return self.repeat
+
+    def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with its place in this item, those of a repetition too."""
+        for _ in range(self.repeat):
+            yield (), self
+
+
+class SegmentItem(SegmentLine):
+    """A segment, or a group of segments that is repeated as a whole."""
+
+    segments: tuple[SegmentLine, ...] | None = Field(
+        default=None, description="a group; repeat beside it is of the whole"
+    )
+
+    def _faults(self) -> Faults:
+        """Return what is wrong with it."""
+        if self.segments is None:
+            return super()._faults()
+        found: Faults = {
+            (key,): "stands beside a group of segments; say it in its lines"
+            for key in sorted(
+                self.model_fields_set - {"segments", "repeat", *MEANWHILE}
+            )
+        }
+        found |= {
+            ("segments", place, key): "stands in a group that says it; remove one of "
+            "them"
+            for key in self.meanwhile
+            for place, line in enumerate(self.segments)
+            if getattr(line, key) is not None
+        }
+        if not self.segments:
+            found["segments",] = "names no segment, expected one at least"
+        return found
+
+    @property
+    def number(self) -> int:
+        """How many segments it stands for."""
+        lines = (self,) if self.segments is None else self.segments
+        times = 1 if self.segments is None else self.repeat
+        return times * sum(line.repeat for line in lines)
+
+    def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with its place in this item, those of a repetition too."""
+        if self.segments is None:
+            yield from super().each()
+            return
+        new = self.meanwhile
+        lines = tuple(line.model_copy(update=new) for line in self.segments)
+        for _ in range(self.repeat):
+            for place, line in enumerate(lines):
+                for _, one in line.each():
+                    yield ("segments", place), one
+
+    @property
+    def meanwhile(self) -> dict[str, object]:
+        """What it says of its segments, or of all in its group."""
+        given = {key: getattr(self, key) for key in MEANWHILE}
+        return {key: one for key, one in given.items() if one is not None}
+
+
+ALIGNMENT: Any = Annotated[
+    AlignmentPart,
+    OrWord(words=(PERFECT, SELF), example="{position: 10 m, heading: 5 deg}"),
+]
+FILTER: Any = Annotated[
+    FilterPart, OrWord(words=(OPTIMAL,), example="{estimates: [gyro.bias]}")
+]
+
+
+class MissionPart(Strict):
+    """Where the unit is when it navigates by itself, and how that begins."""
+
+    latitude: Angle | None = Field(default=None, description="geodetic, of the start")
+    longitude: Angle | None = Field(
+        default=None,
+        description="of the start; no error depends on it, the line of the route "
+        "shows it",
+    )
+    height: Height | None = Field(
+        default=None, description="of the start, above the ellipsoid; unset: 0 m"
+    )
+    speed: Speed | None = Field(
+        default=None,
+        description="of the start, forward; unset: that of a first segment straight, "
+        "else 0 m/s",
+    )
+    heading: Angle | None = Field(
+        default=None,
+        description="of the start, from north to east; unset: that of a first segment "
+        "straight, else 0 deg",
+    )
+    alignment: ALIGNMENT | None = Field(
+        default=None,
+        description="what is known when it begins: perfect (unset), all; self: what "
+        "the unit finds of level and north, standing; or how well, 1 sigma",
+    )
+    alignment_time: Span | None = Field(
+        default=None, description="beside alignment self: how long it stands before"
+    )
+    altitude: Literal["aided", "free"] | None = Field(
+        default=None,
+        description="aided (unset): height and vertical velocity are known all the "
+        "time; free: by the accelerometers alone",
+    )
+    aiding: AidingPart | None = Field(
+        default=None, description="what is measured besides, of segments that name it"
+    )
+    filter: FILTER | None = Field(
+        default=None,
+        description="beside aiding: optimal (unset), which believes what is true; or "
+        "what it estimates and believes",
+    )
+    segments: tuple[SegmentItem, ...] | None = Field(
+        default=None, description="what the vehicle does, one after the other"
+    )
+    trajectory: ShortText | None = Field(
+        default=None,
+        description="a recording in place of place, start and segments: a CSV file "
+        "beside this one",
+    )
+    at: tuple[Span, ...] | None = Field(
+        default=None,
+        description="times from the start that are asked for, rising; unset: 10 s, 60 "
+        "s, 600 s, 3600 s that lie within, and the end",
+    )
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        messages = {
+            **self._place_faults(),
+            **self._alignment_faults(),
+            **self._time_faults(),
+        }
+        if self.filter is not None and self.aiding is None:
+            messages["filter",] = (
+                "is of a mission with aiding, which is not there; add it, or remove "
+                "this"
+            )
+        if not messages and self.trajectory is None:
+            end = self.laid_out.duration
+            messages = {**self.late(end), **self.aiding_faults(end)}
+        if messages:
+            raise faults(messages)
+        return self
+
+    def _place_faults(self) -> Faults:
+        """Return what is wrong with where it begins."""
+        found: Faults = {}
+        if self.trajectory is not None:
+            given = [key for key in PLACED if getattr(self, key) is not None]
+            text = "stands beside a trajectory, which says it; remove one of them"
+            return {(key,): text for key in given}
+        if self.segments is None:
+            found["segments",] = (
+                "says not what the vehicle does, expected segments, such as "
+                "'segments: [{stand: 3600 s}]', or a trajectory"
+            )
+        elif not self.segments:
+            found["segments",] = "names no segment, expected one at least"
+        if self.latitude is None:
+            found["latitude",] = (
+                "says not where it begins, expected such as 'latitude: 45 deg'"
+            )
+        elif abs(self.latitude.value) >= MOST_LATITUDE * (1.0 - _ROUNDING):
+            found["latitude",] = (
+                f"found {self.latitude.printed!r}, expected between -89.9 deg and 89.9 "
+                "deg; at a pole north is no direction"
+            )
+        if self.longitude and abs(self.longitude.value) > 2.0 * pi * (1.0 + _ROUNDING):
+            found["longitude",] = (
+                f"found {self.longitude.printed!r}, expected -360 deg to 360 deg"
+            )
+        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
+            found["height",] = (
+                f"found {self.height.printed!r}, expected {-MOST_HEIGHT / 1e3:g} km to "
+                f"{MOST_HEIGHT / 1e3:g} km"
+            )
+        if self.speed is not None and self.speed.value > MOST_SPEED:
+            found["speed",] = _too_fast(self.speed.printed)
+        return found
+
+    def _alignment_faults(self) -> Faults:
+        """Return what is wrong with how it is aligned."""
+        found: Faults = {}
+        if self.alignment != SELF:
+            if self.alignment_time is not None:
+                found["alignment_time",] = (
+                    "is of 'alignment: self', which is not there; add it, or remove "
+                    "this"
+                )
+            return found
+        if self.alignment_time is None:
+            found["alignment",] = (
+                "stands without alignment_time, expected that beside it, as "
+                "'alignment_time: 300 s'"
+            )
+        elif not 1.0 <= self.alignment_time.value <= LONGEST * (1.0 + _ROUNDING):
+            found["alignment_time",] = (
+                f"found {self.alignment_time.printed!r}, expected 1 s to 24 h"
+            )
+        if self.start.speed > 0.0:
+            found["alignment",] = _moving(self.start.speed)
+        return found
+
+    def _time_faults(self) -> Faults:
+        """Return what is wrong with the times that are asked for."""
+        if self.at is not None and not 1 <= len(self.at) <= MOST_TIMES:
+            return {("at",): f"names {len(self.at)} times, expected 1 to {MOST_TIMES}"}
+        return {
+            ("at", place): f"found {after.printed!r} after {one.printed!r}, expected "
+            "times that rise"
+            for place, (one, after) in enumerate(pairwise(self.at or ()), start=1)
+            if after.value <= one.value * (1.0 + _ROUNDING)
+        }
+
+    def aiding_faults(self, end: float) -> Faults:
+        """Return what is wrong with what is measured, and when, to the end [s]."""
+        given = {} if self.aiding is None else self.aiding.given
+        found = self._misnamed(tuple(given))
+        if self.aiding is not None and not given:
+            found["aiding",] = (
+                "names nothing that is measured, expected such as {gnss: {position: "
+                "2.5 m, rate: 1 Hz}}; or remove it"
+            )
+        for key, part in given.items():
+            for place, (_, last) in enumerate(part.during or ()):
+                if last.value > end * (1.0 + _ROUNDING):
+                    found["aiding", key, "during", place] = (
+                        f"ends at {last.printed}, and the mission ends at {end:.6g} s; "
+                        "expected spans within it"
+                    )
+        numbers = {
+            key: sum(
+                floor(b * part.rate.value + _ROUNDING)
+                - floor(a * part.rate.value + _ROUNDING)
+                for a, b in self.spans[key]
+            )
+            for key, part in given.items()
+        }
+        if not found and sum(numbers.values()) > MOST_EPOCHS:
+            found["aiding",] = (
+                f"has {sum(numbers.values()):.6g} epochs, expected {MOST_EPOCHS} at "
+                "the most; lower a rate"
+            )
+        idle = [key for key, number in numbers.items() if not (found or number)]
+        for key in idle:
+            found["aiding", key, "rate"] = (
+                f"found {given[key].rate.printed!r}, and no multiple of that period, "
+                "from the mission's start, is where segments or during name it; "
+                "expected a higher rate, or more time with it"
+            )
+        return found
+
+    def _misnamed(self, given: tuple[str, ...]) -> Faults:
+        """Return what is wrong with where these aids are named."""
+        found: Faults = {}
+        named: set[str] = set()
+        for place, item in enumerate(self.segments or ()):
+            for inside, line in item.each():
+                way = inside if item.aiding is None else ()
+                own = ("segments", place, *way, "aiding")
+                for key in line.aiding or ():
+                    named.add(key)
+                    if key not in given:
+                        found[own] = (
+                            f"names {key}, which mission.aiding does not have; add it "
+                            "there, or remove this"
+                        )
+                    elif key == ZERO_VELOCITY and line.stand is None:
+                        found[own] = (
+                            "names zero_velocity, and the vehicle moves; that is of a "
+                            "stand alone"
+                        )
+        for one in given:
+            has_times = getattr(self.aiding, one).during is not None
+            if self.trajectory is None and has_times:
+                found["aiding", one, "during"] = (
+                    "is of a trajectory; here segments say 'aiding: [...]': remove it"
+                )
+            elif self.trajectory is None and one not in named:
+                found["aiding", one] = (
+                    f"is used nowhere; name it in segments, as 'aiding: [{one}]', or "
+                    "remove it"
+                )
+            elif self.trajectory is not None and not has_times:
+                found["aiding", one] = (
+                    "says not when it is there, expected such as 'during: [[0 s, 600 "
+                    "s]]' beside a trajectory"
+                )
+        return found
+
+    @cached_property
+    def spans(self) -> dict[str, list[tuple[float, float]]]:
+        """When each aid is there [s]."""
+        given = {} if self.aiding is None else self.aiding.given
+        found: dict[str, list[tuple[float, float]]] = {
+            key: [(a.value, b.value) for a, b in part.during or ()]
+            for key, part in given.items()
+        }
+        for begin, _, line in self.timed:
+            for key in line.aiding or ():
+                if key in found:
+                    found[key].append((begin, begin + line.length))
+        return found
+
+    @property
+    def timed(self) -> Iterator[tuple[float, tuple[str | int, ...], SegmentLine]]:
+        """Yield each segment with when it begins [s], and its place."""
+        begin = 0.0
+        for place, item in enumerate(self.segments or ()):
+            for inside, line in item.each():
+                yield begin, (place, *inside), line
+                begin += line.length
+
+    def late(self, end: float) -> Faults:
+        """Return what is asked for when the mission is over, at that time [s]."""
+        return {
+            ("at", place): f"found {one.printed!r}, and the mission ends at {end:.6g} "
+            "s; expected times within it"
+            for place, one in enumerate(self.at or ())
+            if one.value > end * (1.0 + _ROUNDING)
+        }
+
+    @property
+    def first(self) -> SegmentLine | None:
+        """The first segment."""
+        item = self.segments[0] if self.segments else None
+        return item.segments[0] if item is not None and item.segments else item
+
+    @cached_property
+    def start(self) -> Start:
+        """Where it begins, and how."""
+        first = self.first or self
+        speed, heading = self.speed or first.speed, self.heading or first.heading
+        return Start(
+            latitude=self.latitude.value if self.latitude else 0.0,
+            height=self.height.value if self.height else 0.0,
+            speed=speed.value if speed else 0.0,
+            heading=heading.value if heading else 0.0,
+            longitude=self.longitude.value if self.longitude else None,
+        )
+
+    @cached_property
+    def laid_out(self) -> Legs:
+        """The segments one after the other.
+
+        Raises
+        ------
+        pydantic_core.ValidationError
+            They do not follow, are too many or too long, or lead where none can go.
+        """
+        return lay_out(self.start, self.segments or ())
+
+    def times(self, end: float) -> tuple[float, ...]:
+        """Return the times that are asked for, of a mission that ends then [s]."""
+        if self.at is not None:
+            return tuple(min(one.value, end) for one in self.at)
+        return (*(time for time in DECADES if time < end * (1.0 - _ROUNDING)), end)
+
+    def assumptions(self, end: float) -> tuple[str, ...]:
+        """Return what a mission that ends then leaves open, and how it is taken."""
+        taken = {"alignment": PERFECT, "altitude": AIDED}
+        taken["at"] = ", ".join(f"{time:.12g} s" for time in self.times(end))
+        if self.first is not None:
+            taken["height"] = "0 m"
+            if not self.first.heading:
+                taken["heading"] = "0 deg"
+            if self.first.move in NEEDED:
+                taken["speed"] = "0 m/s"
+        return tuple(
+            note("mission.{key}: not given, {usual} assumed", key=key, usual=usual)
+            for key, usual in taken.items()
+            if getattr(self, key) is None
+        )
+
+
+class MissionFile(Strict):
+    """A mission: where a calibrated unit navigates by itself."""
+
+    format: Literal["budget-mission/1"] = "budget-mission/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    mission: MissionPart = Field(description="place, alignment, what the vehicle does")
+    environment: OnTheWay | None = ON_THE_WAY_FIELD
+    age: Age | None = AGE_FIELD
+
+    @property
+    def vibrations(self) -> list[tuple[float, float, Quantity]]:
+        """Begins and ends of what has a vibration of its own, and that."""
+        own = getattr(self.environment, "vibration", None)
+        return [
+            *(
+                (begin, begin + line.length, line.vibration)
+                for begin, _, line in self.mission.timed
+                if line.vibration is not None
+            ),
+            *(
+                (begin.value, end.value, part.value)
+                for part in (own if isinstance(own, tuple) else ())
+                for begin, end in part.during or ()
+            ),
+        ]
+
+    def course_faults(self, end: float) -> Faults:
+        """Return what is wrong with temperature and vibration to the end [s]."""
+        temperature = getattr(self.environment, "temperature", None)
+        vibration = getattr(self.environment, "vibration", None)
+        found: Faults = {}
+        if isinstance(temperature, TemperaturePart):
+            late = temperature.late(end)
+            found |= {("environment", "temperature", *x): y for x, y in late.items()}
+        if vibration is None:
+            found |= {
+                ("mission", "segments", *path, "vibration"): "is of a part of the way; "
+                "say that of the rest, such as 'environment: {vibration: 0 g}'"
+                for _, path, line in self.mission.timed
+                if line.vibration is not None
+            }
+        if isinstance(vibration, tuple):
+            found |= self._listed_faults(vibration, end)
+        return found
+
+    def _listed_faults(self, parts: tuple[VibrationPart, ...], end: float) -> Faults:
+        """Return what is wrong with a list of vibrations, to the end [s]."""
+        at = ("environment", "vibration")
+        if self.mission.trajectory is None:
+            text = "is a list, of a trajectory; here segments say 'vibration: 2 g'"
+            return {at: f"{text}, and this the rest, such as 'vibration: 1 g'"}
+        if sum(part.during is None for part in parts) != 1:
+            return {
+                at: "expected one value without during, of the rest of the way, such "
+                "as [{value: 2 g, during: [[0 s, 60 s]]}, {value: 1 g}]"
+            }
+        spans = sorted((begin, stop) for begin, stop, _ in self.vibrations)
+        for (_, stop), (begin, _) in pairwise([(0.0, 0.0), *spans, (end, end)]):
+            if begin < stop * (1.0 - _ROUNDING):
+                return {
+                    at: f"has a span to {stop:.6g} s, and the next, or the mission's "
+                    f"end, is at {begin:.6g} s; expected spans one after the other, "
+                    "within the mission"
+                }
+        return {}
+
+    def stated(self, end: float) -> Stated:
+        """Return what it states of its use, to the end [s]."""
+        own = self.environment
+        temperature = getattr(own, "temperature", None)
+        rest = getattr(own, "vibration", None)
+        if isinstance(temperature, TemperaturePart):
+            temperature = temperature.known
+        if isinstance(rest, tuple):
+            rest = next(part.value for part in rest if part.during is None)
+        parts = self.vibrations
+        return Stated(
+            temperature=temperature,
+            vibration=stretches(parts, stated_line("vibration", rest), end)
+            if parts
+            else rest,
+        )
+
+    def assumptions(self, end: float) -> tuple[str, ...]:
+        """Return how courses are taken where the file leaves it open."""
+        temperature = getattr(self.environment, "temperature", None)
+        found = []
+        if isinstance(temperature, TemperaturePart) and temperature.is_short(end):
+            found.append(
+                note(
+                    "environment.temperature: before its first point as there, after "
+                    "its last as there"
+                )
+            )
+        is_known = isinstance(temperature, TemperaturePart) or self.vibrations
+        if self.mission.alignment_time and is_known:
+            found.append(
+                note("environment: while the unit aligns itself, as at the start")
+            )
+        return tuple(found)
+
+
+def read_mission(document: Document) -> Mission:
+    """Turn a mission file into a record, in SI.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, MissionFile)
+    part = model.mission
+    recorded = None
+    route: Legs | Track
+    said: tuple[str, ...]
+    if part.trajectory is None:
+        route = part.laid_out
+        banks = any(leg.bank for leg in route.legs)
+        said = (BANKED if banks else LEVEL,) if leans(route) else ()
+    else:
+        recorded = _recorded(document, part)
+        said = recorded.assumptions
+        route = _track_of(recorded)
+    end = route.duration
+    if messages := model.course_faults(end):
+        places = ((document.root.nearest(at), text) for at, text in messages.items())
+        raise all_of(document.issue(node, text) for node, text in places)
+    return Mission(
+        name=model.name or document.base_name.partition(".")[0],
+        route=route,
+        alignment=part.alignment_time.value if part.alignment_time else 0.0,
+        aided=part.altitude != FREE,
+        at=part.times(end),
+        assumptions=(*part.assumptions(end), *said, *model.assumptions(end)),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
+        trajectory=recorded.origin if recorded else None,
+        doubts=recorded.doubts if recorded else (),
+        use=stated_lines(model.stated(end), model.age),
+        start=part.alignment.start
+        if isinstance(part.alignment, AlignmentPart)
+        else (0.0,) * 9,
+        aiding=() if part.aiding is None else part.aiding.lines(part.spans),
+        filter=part.filter.own if isinstance(part.filter, FilterPart) else None,
+    )
+
+
+def _track_of(recorded: Recorded) -> Track:
+    """Return a recording as a route."""
+    return Track(
+        time=recorded.time,
+        latitude=recorded.latitude,
+        longitude=recorded.longitude,
+        height=recorded.height,
+        attitude=recorded.attitude,
+    )
+
+
+def _largest_speed(track: Track, begin: float, end: float) -> float:
+    """Return the largest speed of a route between two times [m/s]."""
+    course = track.course
+    there = (course.time > begin) & (course.time < end)
+    speeds = np.linalg.norm(course.moment.velocity[there], axis=-1)
+    return float(speeds.max(initial=0.0))
+
+
+def _recorded(document: Document, part: MissionPart) -> Recorded:
+    """Read the recording that a mission names, beside it.
+
+    Raises
+    ------
+    SpecError
+        There is none, something is wrong with it, or it does not fit the mission.
+    """
+    node = document.root.nearest(("mission", "trajectory"))
+    path = Path(document.file).parent / str(part.trajectory)
+    if not (exists(path) and path.is_file()):
+        what = "is no file" if exists(path) else "does not exist"
+        message = (
+            f"found {describe(part.trajectory)}, and {str(path)!r} {what}; "
+            "expected a CSV file, by its place from this file"
+        )
+        raise all_of([document.issue(node, message)])
+    with unshown(path, "a CSV file of a trajectory", document, node):
+        recorded = read_trajectory(path, str(path))
+    end = float(recorded.time[-1])
+    messages: Faults = {**part.late(end), **part.aiding_faults(end)}
+    if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
+        messages["alignment",] = _moving(recorded.first_speed)
+    for begin, stop in part.spans.get(ZERO_VELOCITY, ()) if not messages else ():
+        speed = _largest_speed(_track_of(recorded), begin, stop)
+        if speed > LEAST_SPEED:
+            messages["aiding", ZERO_VELOCITY, "during"] = (
+                f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} "
+                "s; expected times at which it stands"
+            )
+    if messages:
+        places = ((("mission", *steps), text) for steps, text in messages.items())
+        root = document.root
+        raise all_of(document.issue(root.nearest(at), text) for at, text in places)
+    return recorded
+
+
+def leans(route: Legs) -> bool:
+    """Say whether a vehicle would bank or pitch there that is taken as level."""
+    moves = route.start.speed > 0.0 or any(leg.acceleration for leg in route.legs)
+    return moves and any(
+        leg.climb_rate or (leg.turn_rate and not leg.bank) for leg in route.legs
+    )
+
+
+def lay_out(start: Start, items: Sequence[SegmentItem]) -> Legs:
+    """Put segments one after the other, each begun as the one before has ended.
+
+    Raises
+    ------
+    pydantic_core.ValidationError
+        They do not follow, are too many or too long, or lead where none can go: which,
+        all at once.
+    """
+    number = sum(item.number for item in items)
+    if number > MOST_SEGMENTS:
+        message = f"are {number}, expected {MOST_SEGMENTS} at the most"
+        raise faults({("segments",): message})
+    segments = [
+        (("segments", place, *inside), line)
+        for place, item in enumerate(items)
+        for inside, line in item.each()
+    ]
+    _check_size([line for _, line in segments])
+    messages: Faults = {}
+    here, legs = start, []
+    for path, line in segments:
+        for key, message in _faults_at(here, line).items():
+            messages.setdefault((*path, key), message)
+        # From there on as it says, so that one slip is not said of all that follow.
+        speed = 0.0 if line.stand else here.speed
+        here = replace(
+            here,
+            speed=line.speed.value if line.speed else speed,
+            heading=line.heading.value if line.heading else here.heading,
+        )
+        leg = line.leg(here)
+        if 2.0 * leg.rolling > leg.duration * (1.0 + _ROUNDING):
+            messages.setdefault((*path, "roll_rate"), _too_slow(leg))
+            leg = replace(leg, bank=0.0, roll_rate=0.0)
+        legs.append(leg)
+        here, message = _led(here, leg)
+        if line.to is not None:
+            here = replace(here, speed=line.to.value)  # to the last bit
+        if message:
+            messages.setdefault((*path, line.move), message)
+            break
+    if messages:
+        raise faults(messages)
+    return Legs(start=start, legs=tuple(legs))
+
+
+def _check_size(lines: Sequence[SegmentLine]) -> None:
+    """Refuse segments that take too long, or too long to be computed."""
+    length = sum(line.length for line in lines)
+    steps = sum(line.steps for line in lines)
+    if length > LONGEST * (1.0 + _ROUNDING):
+        message = f"take {length:.6g} s, expected 24 h at the most"
+        raise faults({("segments",): message})
+    if steps > MOST_STEPS:
+        message = (
+            f"need {steps} steps, of {STEP:g} s at the most and {TURN_STEP:g} rad of a "
+            f"turn, expected {MOST_STEPS}; turn less"
+        )
+        raise faults({("segments",): message})
+
+
+def _led(here: Start, leg: Leg) -> tuple[Start, str]:
+    """Return where a leg leads, and what is wrong with that."""
+    for piece in leg.pieces:
+        steps = piece.steps(piece.duration)
+        for _ in range(steps):
+            here = moved(here, piece, piece.duration / steps)
+            if abs(here.latitude) >= MOST_LATITUDE:
+                return here, (
+                    "leads to a pole, where north is no direction; expected latitudes "
+                    "between -89.9 deg and 89.9 deg"
+                )
+    if abs(here.height) > MOST_HEIGHT:
+        return here, (
+            f"leads to a height of {here.height / 1e3:.6g} km, expected "
+            f"{-MOST_HEIGHT / 1e3:g} km to {MOST_HEIGHT / 1e3:g} km"
+        )
+    return here, ""
+
+
+def _faults_at(here: Start, line: SegmentLine) -> dict[str, str]:
+    """Return what is wrong with a segment that begins there."""
+    found: dict[str, str] = {}
+    if line.stand is not None and here.speed > 0.0:
+        found["stand"] = (
+            f"stands still, and the vehicle is at {here.speed:.6g} m/s by then; "
+            "accelerate to 0 m/s first"
+        )
+    if line.straight is not None and line.speed is None and here.speed == 0.0:
+        found["straight"] = (
+            "goes on, and the vehicle stands by then; say its speed, accelerate "
+            "first, or let it stand"
+        )
+    if line.speed is not None:
+        off = line.speed.value - here.speed
+        if abs(off) > _SAME * max(1.0, here.speed):
+            found["speed"] = (
+                f"found {line.speed.printed!r}, and the vehicle is at {here.speed:.6g} "
+                "m/s by then; accelerate first"
+            )
+    if line.heading is not None:
+        off = remainder(line.heading.value - here.heading, 2.0 * pi)
+        if abs(off) > _SAME:
+            found["heading"] = (
+                f"found {line.heading.printed!r}, and the vehicle heads "
+                f"{degrees(here.heading) % 360.0:.6g} deg by then; turn first"
+            )
+    return found
+
+
+def _moving(speed: float) -> str:
+    """Say that what moves cannot align itself."""
+    return (
+        f"is by the unit itself, and the mission begins at {speed:.6g} m/s; level and "
+        "north are found standing: begin with a stand, or align it perfectly"
+    )
+
+
+def _too_slow(leg: Leg) -> str:
+    """Say that a turn ends before its bank is left."""
+    return (
+        f"takes {leg.rolling:.6g} s to a bank of {degrees(abs(leg.bank)):.6g} deg and "
+        f"as long back, and the turn takes {leg.duration:.6g} s; roll quicker, or turn "
+        "slower"
+    )
+
+
+def _too_fast(printed: str) -> str:
+    """Say that a speed is too high."""
+    return f"found {printed!r}, expected {MOST_SPEED / 1e3:g} km/s at the most"

@@ -1,0 +1,592 @@
+"""The procedure file: where and how the calibration is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from budget.earth import normal_gravity
+from budget.inputs.checking import check
+from budget.inputs.fields import (
+    Measured,
+    ShortText,
+    Sign,
+    Strict,
+    fault,
+    faults,
+)
+from budget.inputs.files import open_file, unshown
+from budget.inputs.records import (
+    AXES,
+    AccelerometerProcedure,
+    GyroProcedure,
+    Origin,
+    Procedure,
+)
+from budget.inputs.station import (
+    IDEAL,
+    OrFile,
+    at_station,
+    environment_type,
+    read_station,
+    station_file,
+    station_of,
+    surroundings_type,
+)
+from budget.inputs.tree import all_of, describe
+from budget.inputs.use import AGE_FIELD, Age, is_none, stated_lines, with_use
+from budget.inputs.windows import WindowItem, lay_out
+from budget.language import note
+from budget.model.sources import ENVIRONMENT, SENSORS, STATION
+from budget.names import (
+    HIGHER,
+    ORDERS,
+    PARAMETERS,
+    Name,
+    by_group,
+    parameters_of,
+)
+from budget.units import Quantity
+
+if TYPE_CHECKING:
+    from pydantic import GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema, core_schema
+
+    from budget.inputs.tree import Document
+    from budget.model.windows import Window
+
+
+NO_PAPER = (
+    "format",
+    "name",
+    "estimator",
+    "estimate",
+    "windows",
+    "pause",
+    "height",
+    "flip_axis",
+    "moves",
+)  # keys it has none of
+HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal one
+# Of one triad beside `weighted`, whose work grows with their cube: 1,000 take 5 s.
+MOST_WEIGHED = 1000
+MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
+MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
+_ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
+
+
+@dataclass(frozen=True)
+class Gravity(Measured):
+    """An acceleration, or the word 'normal' for that of the ellipsoid."""
+
+    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+        """Return the acceleration, or the word."""
+        if value == "normal":
+            return "normal"
+        if isinstance(value, str) and not any(c.isdigit() for c in value):
+            expected = "'normal' or an acceleration such as '9.7967 m/s^2'"
+            raise fault(f"found {describe(value)}, expected {expected}")
+        return super().read(value, info)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        return {"anyOf": [{"const": "normal"}, self.json_schema]}
+
+
+Time = Annotated[Quantity, Measured("s", bare=True)]
+Azimuth = Annotated[Quantity, Measured("deg", Sign.ANY)]
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
+
+
+def _paper(value: object, description: str) -> Any:  # noqa: ANN401
+    """Return a field that takes the paper's value where the file names none."""
+    return Field(default=value, validate_default=True, description=description)
+
+
+def _count_azimuths(value: object) -> object:
+    """Refuse too many before each is read."""
+    if isinstance(value, tuple) and len(value) > MOST_AZIMUTHS:
+        message = f"names {len(value)} azimuths, expected {MOST_AZIMUTHS} at most"
+        raise fault(message)
+    return value
+
+
+class GyroTest(Strict):
+    """Rate turns, then a static test at several azimuths or in twelve positions."""
+
+    rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] = _paper(
+        "20 deg/s", "turntable rate of the turns"
+    )
+    turns: Annotated[int, Field(ge=1, le=1_000_000)] = _paper(
+        1, "whole turns, so that the earth rate averages out"
+    )
+    order: tuple[Literal["x", "y", "z"], ...] = _paper(
+        ("z", "x", "y"), "axes in the order they are turned about"
+    )
+    pause: Time = _paper("0 s", "between all windows")
+    azimuths: Annotated[
+        tuple[Azimuth, ...],
+        Field(max_length=MOST_AZIMUTHS),
+        BeforeValidator(_count_azimuths),
+    ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
+    dwell: Span = _paper("300 s", "at each azimuth")
+    bias: Literal["azimuths", "twelve_positions"] = Field(
+        default="azimuths",
+        description="where it is read: at the azimuths, or in the dwells of the "
+        "accelerometers, each axis up and down, so that no knowledge of the earth rate "
+        "goes in",
+    )
+
+    @model_validator(mode="after")
+    def _check_lists(self) -> Self:
+        if self.bias != "azimuths":
+            both = {"azimuths", "dwell"} & self.model_fields_set
+            if both:
+                text = "is of the bias at azimuths, and this is of twelve_positions, "
+                text += "whose dwell is that of the accelerometer; remove it"
+                raise faults({(key,): text for key in sorted(both)})
+        if not self.azimuths:
+            raise faults({("azimuths",): "names no azimuth, expected one at least"})
+        if sorted(self.order) != list(AXES):
+            found = f"[{', '.join(self.order)}]"
+            message = f"found {found}, expected each of x, y, z once, such as [z, x, y]"
+            raise faults({("order",): message})
+        return self
+
+
+class AccelerometerTest(Strict):
+    """The twelve-position static test."""
+
+    dwell: Span = _paper("300 s", "at each position")
+    pause: Time = _paper("0 s", "between all windows")
+
+
+# What can be estimated: a quantity on all its axes, or on one.
+PARAMETER_WORDS = (
+    *PARAMETERS,
+    *(str(name.without_owner) for name in parameters_of(SENSORS[0])),
+)
+ParameterWord: Any = Literal[PARAMETER_WORDS]
+
+
+# With x of the body along the sensitive axis x, and its y in the plane of x and y.
+TRIANGULAR = (
+    *("scale_factor", "bias"),
+    *("mounting_angle.yz", "mounting_angle.zx", "mounting_angle.zy"),
+)
+
+
+def _every(value: object) -> object:
+    """Return all quantities in the place of the word 'all'."""
+    return tuple(PARAMETERS) if value == "all" else value
+
+
+def _some(value: tuple[str, ...]) -> tuple[str, ...]:
+    """Refuse a test that finds nothing of a sensor."""
+    if not value:
+        message = (
+            "names no parameter, expected one at least; to leave the sensor out give "
+            "the windows to the other (use:)"
+        )
+        raise fault(message)
+    return value
+
+
+def _estimated(words: Any) -> Any:  # noqa: ANN401
+    """Return the type of what is estimated of one sensor, of those words."""
+    return Annotated[
+        tuple[words, ...],
+        BeforeValidator(
+            _every, json_schema_input_type=Literal["all"] | tuple[words, ...]
+        ),
+        AfterValidator(_some),
+    ]
+
+
+Estimated: Any = _estimated(ParameterWord)
+EstimatedHigher: Any = _estimated(Literal[(*PARAMETER_WORDS, *HIGHER)])
+
+
+class Estimate(Strict):
+    """What the estimator finds; all else is held at the device's nominal values."""
+
+    gyro: Estimated = Field(
+        default=tuple(PARAMETERS), description="all, or such as [scale_factor, bias]"
+    )
+    accelerometer: EstimatedHigher = Field(
+        default=tuple(PARAMETERS),
+        description="all, or as [bias, mounting_angle.xy]; "
+        "second_order and third_order besides",
+    )
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Powers of an accelerometer's input that are estimated besides."""
+        return tuple(p for name, p in ORDERS.items() if name in self.accelerometer)
+
+    def held(self) -> tuple[Name, ...]:
+        """Return the parameters that are not named, 'gyro.bias.x'."""
+        return tuple(
+            name
+            for owner in SENSORS
+            for name in parameters_of(owner)
+            if not {name.quantity, name.without_owner} & {*getattr(self, owner)}
+        )
+
+
+class ProcedureFile(Strict):
+    """A calibration procedure; an unset key takes the value of Zhao 2019."""
+
+    format: Literal["budget-procedure/1"] = "budget-procedure/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    latitude: Annotated[Quantity, Measured("deg", Sign.ANY)] = _paper(
+        "34.2394 deg", "geodetic"
+    )
+    gravity: Annotated[
+        Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE, bare=True)
+    ] = _paper("normal", "at the place; normal: WGS 84 at that latitude")
+    height: Annotated[Quantity, Measured("m", Sign.ANY, bare=True)] | None = Field(
+        default=None,
+        description="above the ellipsoid, for normal gravity; unset: 0 m",
+    )
+    sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
+        "100 Hz", "of the sensor outputs"
+    )
+    estimator: Literal["paper", "least_squares", "weighted", "norm"] | None = Field(
+        default=None,
+        description="paper: its formulas; weighted: by all that varies; norm: "
+        "by the norm of gravity in dwells at attitudes that nobody knows. Unset: "
+        "paper, or least_squares where there are windows",
+    )
+    estimate: Estimate | None = Field(
+        default=None,
+        description="parameters that are found; unset: all. The others are held at "
+        "the device's nominal values, and what they truly are is an error source",
+    )
+    windows: tuple[WindowItem, ...] | None = Field(
+        default=None,
+        description="dwells and turns, in place of the tests of gyro and accelerometer",
+    )
+    pause: Time | None = Field(
+        default=None, description="between all windows; unset: 0 s"
+    )
+    flip_axis: Literal["inner", "middle"] = Field(
+        default="inner", description="axis of the table that z comes down by"
+    )
+    moves: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
+        default=None,
+        description="of the estimator norm: rate at which the unit is turned from one "
+        "dwell to the next, one axis after the other, while the gyro is read, which "
+        "is calibrated so; unset: accelerometers alone",
+    )
+    formulas: Literal["corrected", "paper"] = _paper(
+        "corrected", "of the gyro bias: corrected, or as the paper prints them"
+    )
+    gyro: GyroTest = Field(default_factory=GyroTest)
+    accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
+    station: Annotated[surroundings_type(STATION), OrFile()] | None = Field(  # type: ignore[valid-type]
+        default=None,
+        description="uncertainties of table and place, or the file of a station; "
+        "unset: none",
+    )
+    environment: environment_type() | None = Field(  # type: ignore[valid-type]
+        default=None,
+        description="what changes during the test, and that of the use; unset: nothing "
+        "in the test, and of the use nothing is stated; none: neither",
+    )
+    age: Age | None = AGE_FIELD
+
+    @model_validator(mode="after")
+    def _check_place_and_windows(self) -> Self:
+        messages: dict[tuple[Any, ...], str] = {}
+        if abs(self.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING):
+            messages["latitude",] = (
+                f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
+            )
+        if self.height is not None and self.gravity != "normal":
+            messages["height",] = (
+                "is for normal gravity, and gravity is given; remove one of them"
+            )
+        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
+            messages["height",] = (
+                f"found {self.height.printed!r}, expected {-MOST_HEIGHT:g} m to "
+                f"{MOST_HEIGHT:g} m"
+            )
+        earlier = getattr(self.environment, "age", None)
+        if (
+            self.age is not None
+            and earlier is not None
+            and not is_none(self.environment)
+        ):
+            messages["age",] = "stands in the environment, too; remove one of them"
+        turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
+        messages |= self._scheme_faults()
+        windows: dict[tuple[str, ...], tuple[str, float]] = {
+            ("gyro", "rate"): ("a turn", turn),
+            ("gyro", "dwell"): ("a dwell", self.gyro.dwell.value),
+            ("accelerometer", "dwell"): ("a dwell", self.accelerometer.dwell.value),
+        }
+        for path, (what, length) in windows.items():
+            if length * self.sample_rate.value < 1.0 - _ROUNDING:
+                messages[path] = (
+                    f"{what} of {length:.6g} s has no sample at "
+                    f"{self.sample_rate.printed}, expected one at least"
+                )
+        if messages:
+            raise faults(messages)
+        laid_out = self.laid_out  # refuses windows that overlap
+        most = max(
+            sum(one.use in {owner, "both"} for one in laid_out)
+            for owner in ("gyro", "accelerometer")
+        )
+        if self.estimator == "weighted" and most > MOST_WEIGHED:
+            message = (
+                f"are {most} of one triad, expected {MOST_WEIGHED} at the most beside "
+                "estimator: weighted, which weighs each against every other; take "
+                "least_squares, or fewer and longer windows"
+            )
+            raise faults({("windows",): message})
+        return self
+
+    def _scheme_faults(self) -> dict[tuple[Any, ...], str]:
+        """Return which keys do not go together."""
+        found: dict[tuple[Any, ...], str] = {}
+        given = self.model_fields_set
+        if self.windows is None:
+            if "pause" in given:
+                found["pause",] = "is of windows; the tests of gyro and accelerometer "
+                found["pause",] += "have their own"
+        else:
+            if not self.windows:
+                found["windows",] = "names no window, expected one at least"
+            for key in [key for key in SENSORS if key in given]:
+                found[key,] = "stands beside windows, which are the whole test; remove "
+                found[key,] += "one of them"
+            if self.estimator == "paper":
+                found["estimator",] = (
+                    "found 'paper', whose formulas are of its own test; expected "
+                    "least_squares, weighted or norm beside windows"
+                )
+        found |= self._norm_faults()
+        if self.formulas == "paper" and self.gyro.bias != "azimuths":
+            found["formulas",] = (
+                "are eq. (4) as printed, which is of the bias at azimuths; remove it, "
+                "or the bias of the gyro"
+            )
+        if self.estimate is not None and self.chosen_estimator == "paper":
+            found["estimate",] = (
+                "is of the estimators for windows, and this is paper, "
+                "whose formulas find all; name another estimator, or remove it"
+            )
+        if "formulas" in given and self.chosen_estimator != "paper":
+            found["formulas",] = (
+                f"is of the estimator paper, and this is {self.chosen_estimator}; "
+                "remove it"
+            )
+        return found
+
+    def _norm_faults(self) -> dict[tuple[Any, ...], str]:
+        """Return what gravity's norm makes nothing of, or what is of it alone."""
+        found: dict[tuple[Any, ...], str] = {}
+        if self.estimator != "norm":
+            if self.moves is not None:
+                found["moves",] = (
+                    "is of the estimator norm, to which attitudes are unknown; for "
+                    "others give turns among the windows"
+                )
+            return found
+        if self.estimate and self.estimate.orders:
+            found["estimate", "accelerometer"] = (
+                "names a higher order, which the norm of gravity does not find; "
+                "remove it, or take another estimator"
+            )
+        items = enumerate(self.windows or ())
+        lines = ((place, line) for place, item in items for line in item.lines)
+        for place, line in lines:
+            if line.turn is not None:
+                found["windows", place, "turn"] = (
+                    "turns, and the estimator norm takes dwells alone; remove it, or "
+                    "give a dwell"
+                )
+            elif line.use == "gyro":
+                found["windows", place, "use"] = (
+                    "is of the gyro, and the norm of gravity calibrates accelerometers "
+                    "alone; remove it, or take another estimator"
+                )
+        return found
+
+    @property
+    def held(self) -> tuple[Name, ...]:
+        """Parameters that are not estimated, 'gyro.bias.x'.
+
+        How a triad is turned as a whole no norm shows: three angles are held there.
+        """
+        named = self.estimate or Estimate()
+        if self.estimator == "norm" and "accelerometer" not in named.model_fields_set:
+            named = Estimate(gyro=named.gyro, accelerometer=TRIANGULAR)
+        return named.held()
+
+    @property
+    def chosen_estimator(self) -> str:
+        """The estimator, the usual one where none is named."""
+        if self.estimator is not None:
+            return self.estimator
+        return "paper" if self.windows is None else "least_squares"
+
+    @cached_property
+    def laid_out(self) -> tuple[Window, ...]:
+        """The windows on the clock of the file."""
+        pause = 0.0 if self.pause is None else self.pause.value
+        return lay_out(
+            self.windows or (),
+            pause,
+            self.sample_rate.value,
+            flip_axis=self.flip_axis,
+            moves=None if self.moves is None else self.moves.value,
+        )
+
+
+def read_procedure(document: Document, station: Document | None = None) -> Procedure:
+    """Turn a procedure file into a record, in SI.
+
+    Parameters
+    ----------
+    document : Document
+    station : Document, optional
+        The file of the station that it names; without it that file is looked for.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, ProcedureFile)
+    gravity, height = model.gravity, model.height.value if model.height else 0.0
+    idle = () if model.chosen_estimator == "paper" else ("formulas",)
+    gyro, accelerometer = model.gyro, model.accelerometer
+    shared = (STATION, ENVIRONMENT)
+    origin = Origin(file=document.base_name, sha256=document.sha256)
+    name = model.name or document.base_name.partition(".")[0]
+    named = model.station if isinstance(model.station, str) else None
+    own = None if named else model.station
+    here = station_of(own, model.environment, name=name, origin=origin)
+    procedure = Procedure(
+        name=name,
+        latitude=model.latitude.value,
+        gravity=normal_gravity(model.latitude.value, height)
+        if gravity == "normal"
+        else gravity.value,
+        height=height,
+        is_gravity_normal=gravity == "normal",
+        timing=here.timing,
+        sample_rate=model.sample_rate.value,
+        formulas=model.formulas
+        if model.chosen_estimator == "paper"
+        else model.chosen_estimator,
+        windows=model.laid_out,
+        held=model.held,
+        orders=() if model.estimate is None else model.estimate.orders,
+        gyro=GyroProcedure(
+            rate=gyro.rate.value,
+            turns=gyro.turns,
+            order=gyro.order,
+            pause=gyro.pause.value,
+            azimuths=tuple(azimuth.value for azimuth in gyro.azimuths)
+            if gyro.bias == "azimuths"
+            else (),
+            dwell=gyro.dwell.value,
+        ),
+        accelerometer=AccelerometerProcedure(
+            dwell=accelerometer.dwell.value,
+            pause=accelerometer.pause.value,
+            flip_axis=model.flip_axis,
+        ),
+        assumptions=(
+            *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
+            *(() if model.windows else _assumptions("gyro.", gyro, _idle(gyro))),
+            *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
+            *((HEIGHT_0,) if gravity == "normal" and model.height is None else ()),
+            *((IDEAL,) if model.station is None else ()),
+            *_windows_assumptions(model),
+            *_held_assumptions(model),
+            *here.assumptions,
+        ),
+        station=here.station,
+        environment=here.environment,
+        origin=origin,
+    )
+    use = stated_lines(None, model.age)
+    if named is None:
+        return with_use(procedure, use)
+    if station is None:
+        file, node = station_file(document), document.root.nearest((STATION,))
+        with unshown(file.path, f"a {STATION}", document, node):
+            there = read_station(open_file(file, STATION))
+    else:
+        there = read_station(station)
+    if model.environment is not None and there.environment:
+        node = document.root.nearest(("environment",))
+        message = f"stands beside that of {named}, which has one; remove one of them"
+        raise all_of([document.issue(node, message, on_key=True)])
+    return at_station(with_use(procedure, use), there)
+
+
+def _idle(gyro: GyroTest) -> tuple[str, ...]:
+    """Return the keys of the test that nothing is assumed of."""
+    return ("bias",) if gyro.bias == "azimuths" else ("bias", "azimuths", "dwell")
+
+
+def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
+    """Say what a file with windows leaves open."""
+    if model.windows is None:
+        return ()
+    found = []
+    if model.estimator is None:
+        found.append(note("estimator: not given, least_squares assumed"))
+    if model.pause is None:
+        found.append(note("pause: not given, 0 s assumed"))
+    return tuple(found)
+
+
+def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
+    """Say what is not estimated."""
+    return tuple(
+        note(
+            "{parameters}: not estimated, held at the nominal value of the device",
+            parameters=parameters,
+        )
+        for parameters in by_group(model.held)
+    )
+
+
+def _assumptions(
+    prefix: str, model: Strict, others: tuple[str, ...] = ()
+) -> tuple[str, ...]:
+    """Say which keys are not given and what the paper's value is."""
+    unset = [
+        (key, field.default)
+        for key, field in type(model).model_fields.items()
+        if key not in model.model_fields_set and key not in others
+        if field.default is not None  # an age that nobody states is no 0 either
+    ]
+    return tuple(
+        note(
+            "{prefix}{key}: not given, {shown} assumed, as in Zhao 2019",
+            prefix=prefix,
+            key=key,
+            shown=_shown(value),
+        )
+        for key, value in unset
+    )
+
+
+def _shown(value: object) -> str:
+    """Return a value as a file spells it."""
+    return f"[{', '.join(value)}]" if isinstance(value, tuple) else str(value)

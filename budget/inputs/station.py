@@ -1,0 +1,472 @@
+"""Station files: uncertainties of table, place and timing, and of the environment."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import core_schema
+
+from budget.inputs.checking import check, nearest
+from budget.inputs.fields import (
+    ShortText,
+    Strict,
+    fault,
+    faults,
+    mapping_of,
+)
+from budget.inputs.files import exists, find, shipped_names
+from budget.inputs.reader import refuse
+from budget.inputs.records import Origin, Station
+from budget.inputs.specification import Time, read_value, value_type
+from budget.inputs.tree import all_of, describe
+from budget.inputs.use import (
+    IN_TEST,
+    LINES,
+    NONE,
+    OPTION,
+    Age,
+    OrPart,
+    of_the_test,
+    read_age,
+    read_environment,
+    refuse_two,
+    with_use,
+)
+from budget.language import note
+from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
+from budget.model.sources.later import AGE
+from budget.model.windows import ANGLE, EDGES, RATE, Timing
+from budget.names import MISSION, Name, keys_of, words
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema
+
+    from budget.inputs.files import NamedFile
+    from budget.inputs.records import Procedure
+    from budget.inputs.specification import ReadValue
+    from budget.inputs.tree import Document
+    from budget.model.source import Source
+    from budget.units import Quantity
+
+IDEAL = note("station: not given, an ideal one assumed")
+LONGEST_NAME = 200  # of a file
+MOST_POINTS = 100  # of soaks in one test
+
+
+class Timed(Strict):
+    """A level of station or environment, some of whose values need a time beside."""
+
+    @model_validator(mode="after")
+    def _check_times(self) -> Self:
+        times = {
+            beside: one
+            for one in lines_of(ENVIRONMENT)
+            for beside in (one.time, one.points)
+            if beside
+        }
+        found = {}
+        for time in [time for time in times if time in type(self).model_fields]:
+            key = keys_of(times[time].name)[-1]
+            value, of = getattr(self, key), getattr(self, time)
+            if value is not None and of is None:
+                found[key,] = f"stands without {time}, expected that beside it"
+            if value is None and of is not None:
+                found[time,] = (
+                    f"is of {key}, which is not there; add it, or remove this"
+                )
+        if found:
+            raise faults(found)
+        return self
+
+
+def _check_rising(times: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
+    """Refuse times that do not rise."""
+    for one, after in pairwise(times):
+        if after.value <= one.value:
+            raise fault(
+                f"found {after.printed!r} after {one.printed!r}, expected times "
+                "that rise"
+            )
+    return times
+
+
+@cache
+def surroundings_type(owner: str) -> Any:  # noqa: ANN401
+    """Return the type of the mapping of that owner, nested as its names are dotted."""
+    tree: dict[str, Any] = {}
+    for source in lines_of(owner):
+        *folders, last = keys_of(source.name)
+        branch = tree
+        for folder in folders:
+            branch = branch.setdefault(folder, {})
+        branch[last] = source
+    return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
+
+
+def environment_type() -> Any:  # noqa: ANN401
+    """Return the type of an environment, which may be none."""
+    return Annotated[surroundings_type(ENVIRONMENT), OrPart(words=((NONE, IN_TEST),))]
+
+
+def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
+    """Return the sources that a mapping of that owner names, in the table's order."""
+    taken = []
+    for source in lines_of(owner):
+        figure: Any = mapping
+        level: Any = None
+        for key in keys_of(source.name):
+            figure, level = getattr(figure, key, None), figure
+        if figure is not None:
+            one = read_value(source, owner, figure)
+            if source.time:
+                time = getattr(level, source.time)
+                points = getattr(level, source.points) if source.points else ()
+                at = ", ".join(point.printed for point in points)
+                says = replace(
+                    one.line,
+                    correlation_time=np.array([time.value]),
+                    points=np.array([point.value for point in points])
+                    if points
+                    else None,
+                    definition=f"{words(source.time)} {time.printed}"
+                    + (f", {words(source.points)} {at}" if points else ""),
+                )
+                one = replace(one, line=says)
+            taken.append(one)
+    return tuple(taken)
+
+
+def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str, ...]:
+    """Say which figures of that owner count, with the words that stand beside them."""
+    return tuple(
+        f"{Name(line.name, owner=owner)}: {line.printed}, "
+        + ", ".join(word for word in said if word)
+        for line in (one.line for one in taken)
+        for said in [
+            (
+                *(line.meaning, line.definition, line.includes, line.horizon),
+                *(line.condition, line.source),
+            )
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class OrFile:
+    """Beside the mapping it annotates, the name of a station file."""
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either."""
+
+        def read(
+            value: object, mapping: core_schema.ValidatorFunctionWrapHandler
+        ) -> object:
+            if not isinstance(value, str):
+                return mapping(value)
+            if not value.strip() or len(value) > LONGEST_NAME or "\x00" in value:
+                message = "is no file name, expected one, or a mapping of keys"
+                raise fault(message)
+            return value
+
+        return core_schema.no_info_wrap_validator_function(read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Tell pydantic how to describe either."""
+        name = {"type": "string", "description": "a station file, or a shipped one"}
+        return {"anyOf": [name, handler(schema["schema"])]}
+
+
+class StationFile(Strict):
+    """A test station: what is not known of its table, its place and its environment."""
+
+    format: Literal["budget-station/1"] = "budget-station/1"
+    name: ShortText | None = Field(default=None, description="unset: the file's name")
+    station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
+        default=None, description="uncertainties of table, place and timing"
+    )
+    environment: environment_type() | None = Field(  # type: ignore[valid-type]
+        default=None, description="what changes during the test; unset: nothing"
+    )
+
+    @model_validator(mode="after")
+    def _check_parts(self) -> Self:
+        if self.station is None:
+            message = "is missing, expected its figures; of an ideal one 'station: {}'"
+            raise faults({("station",): message})
+        return self
+
+
+def read_station(document: Document) -> Station:
+    """Turn a station file into a record, in SI.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file.
+    """
+    model = check(document, StationFile)
+    return station_of(
+        model.station,
+        model.environment,
+        name=model.name or document.base_name.partition(".")[0],
+        origin=Origin(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def station_of(
+    station: Strict | None, environment: Strict | None, *, name: str, origin: Origin
+) -> Station:
+    """Return the record of both mappings, as a file of either kind holds them."""
+    shared = {
+        STATION: take_surroundings(STATION, station),
+        ENVIRONMENT: take_surroundings(ENVIRONMENT, environment),
+    }
+    return Station(
+        name=name,
+        station=tuple(one.line for one in shared[STATION]),
+        environment=tuple(one.line for one in shared[ENVIRONMENT]),
+        timing=Timing(
+            scale_from=getattr(station, "scale_from", None) or ANGLE,
+            edges=getattr(station, "window", None) or EDGES[0],
+        ),
+        assumptions=(
+            *_unsaid(station),
+            *(
+                text
+                for taken in shared.values()
+                for one in taken
+                for text in one.assumptions
+            ),
+            *(
+                text
+                for owner, taken in shared.items()
+                for text in describe_surroundings(owner, taken)
+            ),
+        ),
+        origin=origin,
+    )
+
+
+def _unsaid(station: Strict | None) -> tuple[str, ...]:
+    """Say which words a station leaves out that its figures need."""
+    needed = {"scale_from": ("rate_error", ANGLE), "window": ("edge_jitter", EDGES[0])}
+    return tuple(
+        note(
+            "{station}.{word}: not given, {usual} assumed",
+            station=STATION,
+            word=word,
+            usual=usual,
+        )
+        for word, (figure, usual) in needed.items()
+        if getattr(station, figure, None) and not getattr(station, word)
+    )
+
+
+def named_station(document: Document) -> str:
+    """Return the name of the station that a procedure file names; '' if it does not."""
+    node = document.root.child(STATION)
+    return node.value if node is not None and isinstance(node.value, str) else ""
+
+
+def station_file(document: Document) -> NamedFile:
+    """Find the station that a procedure names: beside it, else as commands find it.
+
+    Raises
+    ------
+    SpecError
+        There is none.
+    """
+    name = named_station(document)
+    beside = Path(document.file).parent / name
+    file = find(beside if exists(beside) else name, STATION)
+    if not exists(file.path):
+        node = document.root.nearest((STATION,))
+        known = shipped_names(STATION)
+        message = (
+            f"found {describe(name)}, expected a station file, beside this one or "
+            f"where the command runs, or a shipped one: {', '.join(known)}"
+            f"{nearest(name, known)}"
+        )
+        raise all_of([document.issue(node, message)])
+    return file
+
+
+def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:
+    """Return a procedure at a station that is given beside it, `shown` in messages.
+
+    Raises
+    ------
+    SpecError
+        It has one of its own, or both have an environment.
+    """
+    for has, what in (
+        (IDEAL not in procedure.assumptions, STATION),
+        (
+            of_the_test(procedure.environment) and of_the_test(station.environment),
+            ENVIRONMENT,
+        ),
+    ):
+        if has:
+            message = (
+                f"has a {what} of its own, and {station.origin.file} is given beside "
+                "it; remove one of them"
+            )
+            raise refuse(shown, message)
+    return at_station(procedure, station)
+
+
+def used(procedure: Procedure, environment: str, shown: str) -> Procedure:
+    """Return a procedure whose unit is used in an environment, `shown` in messages.
+
+    Raises
+    ------
+    CallError
+        The environment is none.
+    SpecError
+        It states one of its own.
+    """
+    lines = read_environment(environment)
+    if any(line.name in LINES and line.name != AGE for line in procedure.environment):
+        message = (
+            "states an environment of its use, and another is given beside it; remove "
+            "one of them"
+        )
+        raise refuse(shown, message)
+    has_age = any(x.name == AGE and x.u.any() for x in procedure.environment)
+    new = [line for line in lines if not (has_age and line.name == AGE)]
+    return with_use(
+        procedure, [replace(line, source=OPTION[ENVIRONMENT]) for line in new]
+    )
+
+
+def aged(procedure: Procedure, age: str, shown: str) -> Procedure:
+    """Return a procedure whose calibration is used at an age, `shown` in messages.
+
+    Raises
+    ------
+    CallError
+        The age is no time.
+    SpecError
+        Its environment has one of its own.
+    """
+    if any(line.name == AGE and line.u.any() for line in procedure.environment):
+        message = (
+            "has an age of its own (environment), and another is given beside it; "
+            "remove one of them"
+        )
+        raise refuse(shown, message)
+    return with_use(procedure, [replace(read_age(age), source=OPTION[AGE])])
+
+
+def with_age(procedure: Procedure, age: Quantity, source: str = "") -> Procedure:
+    """Return a procedure with that age, in place of the one that it has."""
+    line = read_value(source_of(ENVIRONMENT, AGE), ENVIRONMENT, age).line
+    return with_use(procedure, [replace(line, source=source)])
+
+
+def at_station(procedure: Procedure, station: Station) -> Procedure:
+    """Return a procedure at another station, whose environment counts if it has one.
+
+    Raises
+    ------
+    CallError
+        Both state a use, and different ones; an age of 0 gives way.
+    """
+    own = {line.name: line for line in procedure.environment if line.name in LINES}
+    for line in station.environment:
+        if line.name in own and (line.name != AGE or line.u.any()):
+            if line.name == AGE and not own[AGE].u.any():
+                del own[AGE]
+            else:
+                refuse_two(
+                    own[line.name],
+                    procedure.origin.file,
+                    line,
+                    station.origin.file,
+                )
+    left = tuple(text for text in procedure.assumptions if text != IDEAL)
+    return replace(
+        procedure,
+        station=station.station,
+        environment=tuple(
+            {
+                line.name: line
+                for line in (
+                    *(
+                        of_the_test(station.environment)
+                        or of_the_test(procedure.environment)
+                    ),
+                    *(x for x in station.environment if x.name in LINES),
+                    *own.values(),
+                )
+            }.values()
+        ),
+        timing=station.timing,
+        station_origin=station.origin,
+        assumptions=(*left, *station.assumptions),
+    )
+
+
+# What a station says besides its figures, and what an unset word means.
+WORDS: dict[str, tuple[Any, str]] = {
+    "scale_from": (
+        Literal[ANGLE, RATE],
+        "what scale factors of gyros are taken from; unset: angle, of whole turns",
+    ),
+    "window": (
+        Literal[EDGES],
+        "where windows of turns are cut: index of the table, rest, time; unset: index",
+    ),
+}
+
+
+def _mapping(
+    title: str,
+    owner: str,
+    tree: dict[str, Any],
+    words: Mapping[str, tuple[Any, str]] | None = None,
+) -> Any:  # noqa: ANN401
+    """Return the type of one level of the mapping."""
+    fields: dict[str, Any] = {}
+    meanings: dict[str, str] = {}
+    for key, (kind, meaning) in (words or {}).items():
+        fields[key], meanings[key] = kind, meaning
+    for key, branch in tree.items():
+        if isinstance(branch, dict):
+            level = _mapping(f"{title} {key}", owner, branch)
+            # 'temperature: 20 degC' is that of the use, as in a requirement.
+            is_stated = MISSION in branch and branch[MISSION].name in LINES
+            fields[key] = Annotated[level, OrPart(key=MISSION)] if is_stated else level
+        else:
+            source: Source = branch
+            is_age = source.name == AGE
+            fields[key] = Age if is_age else value_type(source, owner)
+            meanings[key] = source.model
+            if source.time:
+                fields[source.time] = Time
+                meanings[source.time] = f"of {key}"
+            if source.points:
+                fields[source.points] = Annotated[
+                    tuple[Time, ...],
+                    Field(min_length=1, max_length=MOST_POINTS),
+                    AfterValidator(_check_rising),
+                ]
+                meanings[source.points] = (
+                    f"of {key}: times from the start of a triad's test at which "
+                    "another one begins"
+                )
+    return mapping_of(title, fields, meanings, Timed)

@@ -1,0 +1,326 @@
+"""Use of a calibrated unit: environment and age that a verdict holds in, as stated.
+
+The temperature is the difference from that of the test, one sigma; the vibration its
+rms; the age the time since the calibration. Who states them does so in the requirement,
+in the mission, in the procedure or with the call. They become lines of the environment
+of the procedure, which is what the sources know of it; a stated 0 is a line, too, so
+that what is 0 and what nobody has stated are told apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, Field
+from pydantic_core import core_schema
+
+from budget.errors import CallError, UnitError
+from budget.inputs.course import Known, SizeOrCourse, TemperaturePart, VibrationPart
+from budget.inputs.fields import fault, mapping_of
+from budget.inputs.specification import read_value, value_type
+from budget.inputs.tree import describe
+from budget.language import in_a_row, note, term
+from budget.model.sources import ENVIRONMENT, source_of
+from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATION
+from budget.names import MISSION, Name
+from budget.units import Quantity, parse_quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic.json_schema import JsonSchemaValue
+    from pydantic_core import CoreSchema
+
+    from budget.inputs.records import ErrorLine, Mission, Procedure, Requirement
+
+# By the key that states it: the line of the environment, and what is none of it.
+STATED = {
+    "temperature": (MISSION_TEMPERATURE, "0 degC"),
+    "vibration": (MISSION_VIBRATION, "0 g"),
+    "age": (AGE, "0 s"),
+}
+LINES = tuple(line for line, _ in STATED.values())
+NONE = "none"
+COURSE = term("known at every time")  # meaning of a course
+OPTION = {"environment": "--environment", "age": "--age"}  # how a call states it
+
+
+@dataclass(frozen=True)
+class OrPart:
+    """Beside the mapping it annotates, a value alone that is of one key in it.
+
+    Attributes
+    ----------
+    key : str
+        Of a text in the place of the mapping.
+    words : mapping of str to mapping
+        Texts that stand for a whole mapping.
+    """
+
+    key: str = ""
+    words: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
+
+    def read(self, value: object) -> object:
+        """Return the mapping that a value means."""
+        whole = dict(self.words)
+        if isinstance(value, str) and value.strip().casefold() in whole:
+            return dict(whole[value.strip().casefold()])
+        if self.key and isinstance(value, str | int | float):
+            return {self.key: value}
+        if whole and not isinstance(value, dict):
+            allowed = " or ".join(whole)
+            raise fault(
+                f"found {describe(value)}, expected {allowed}, or a mapping such as "
+                "{temperature: 20 degC, vibration: 1 g}"
+            )
+        return value
+
+    def __get_pydantic_core_schema__(
+        self, source: object, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Tell pydantic how to read either."""
+        return core_schema.no_info_before_validator_function(self.read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Describe either."""
+        mapping = handler(schema["schema"])
+        if self.words:
+            return {"anyOf": [{"enum": [word for word, _ in self.words]}, mapping]}
+        return {"anyOf": [{"type": "string"}, mapping]}
+
+
+IN_TEST = tuple((key, zero) for key, (_, zero) in STATED.items())
+_NONE = tuple((key, zero) for key, (_, zero) in STATED.items() if key != AGE)
+_VALUES = {
+    key: value_type(source_of(ENVIRONMENT, line), ENVIRONMENT)
+    for key, (line, _) in STATED.items()
+}
+# As a requirement or a mission states them.
+Environment: Any = Annotated[
+    mapping_of("use", {key: _VALUES[key] for key, _ in _NONE}),
+    OrPart(words=((NONE, _NONE),)),
+]
+# As a mission does, whose temperature and vibration may be known on the way.
+OnTheWay: Any = Annotated[
+    mapping_of(
+        "use on the way",
+        {
+            "temperature": Annotated[
+                Any,
+                SizeOrCourse(
+                    _VALUES["temperature"],
+                    TemperaturePart,
+                    tuple(TemperaturePart.model_fields),
+                ),
+            ],
+            "vibration": Annotated[
+                Any, SizeOrCourse(_VALUES["vibration"], tuple[VibrationPart, ...])
+            ],
+        },
+    ),
+    OrPart(words=((NONE, _NONE),)),
+]
+_SAYS = (
+    "that it is used in: temperature, difference from that of the test, 1 "
+    "sigma{known}; vibration, rms; or none, as in the test and right after it. Unset: "
+    "not stated, and nothing meets without a condition"
+)
+ENVIRONMENT_FIELD: Any = Field(default=None, description=_SAYS.format(known=""))
+ON_THE_WAY_FIELD: Any = Field(
+    default=None,
+    description=_SAYS.format(known=", or its profile or warm_up where it is known"),
+)
+AGE_FIELD: Any = Field(
+    default=None, description="time from the calibration to the use; unset: not stated"
+)
+
+
+def _zero(value: object) -> object:
+    """Return 0 s for a 0 without a unit: of a time it is clear."""
+    return STATED[AGE][1] if str(value).strip() == "0" else value
+
+
+Age: Any = Annotated[_VALUES[AGE], BeforeValidator(_zero)]
+
+
+def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:
+    """Return the lines of what a file states, both as their fields have read them.
+
+    No environment means no time since the test either, where no age is given.
+    """
+    given: dict[str, Any] = {key: getattr(environment, key, None) for key, _ in _NONE}
+    given["age"] = age
+    if age is None and is_none(environment):
+        given["age"] = parse_quantity("0 s", "s")
+    return tuple(
+        stated_line(key, value) for key, value in given.items() if value is not None
+    )
+
+
+def is_none(environment: object) -> bool:
+    """Say whether an environment is that of the test in all that can be stated."""
+    found = [getattr(environment, key, None) for key, _ in _NONE]
+    # In a procedure each stands in a mapping beside what is of the test.
+    found = [getattr(one, MISSION, one) for one in found]
+    return all(isinstance(one, Quantity) and one.value == 0.0 for one in found)
+
+
+def stated_line(key: str, value: Any) -> ErrorLine:  # noqa: ANN401
+    """Return the line of the environment that a value states."""
+    source = source_of(ENVIRONMENT, STATED[key][0])
+    if not isinstance(value, Known):
+        return read_value(source, ENVIRONMENT, value).line
+    one = parse_quantity(f"1 {value.unit}", source.like(ENVIRONMENT))
+    size = value.course.largest
+    return replace(
+        read_value(source, ENVIRONMENT, one).line,
+        u=np.array([size]),
+        printed=value.printed,
+        meaning=COURSE,
+        course=value.course if size else None,
+    )
+
+
+def read_environment(text: str) -> tuple[ErrorLine, ...]:
+    """Read what a call states: 'none', or 'temperature 20 degC, vibration 1 g'.
+
+    Raises
+    ------
+    CallError
+        It says neither.
+    """
+    if text.strip().casefold() == NONE:
+        return stated_lines(
+            Stated(**{key: _of(key, zero) for key, zero in _NONE}), None
+        )
+    found: dict[str, Quantity] = {}
+    for part in text.strip().strip("{}").split(","):
+        key, _, value = part.strip().replace("=", " ").replace(":", " ").partition(" ")
+        if key not in dict(_NONE) or key in found:
+            raise CallError(
+                f"environment: found {part.strip()!r}{' again' if key in found else ''}"
+                f" in {text!r}, expected the one word none, or temperature and "
+                "vibration, each once at the most: 'temperature 20 degC, vibration 1 g'"
+            )
+        found[key] = _of(key, value.strip())
+    return tuple(stated_line(key, value) for key, value in found.items())
+
+
+@dataclass(frozen=True)
+class Stated:
+    """An environment as a call states it, or as it is known on the way."""
+
+    temperature: object = None
+    vibration: object = None
+
+
+def read_age(text: str) -> ErrorLine:
+    """Read the age that a call states, '1 year' or 0; CallError: it is none."""
+    return stated_line(AGE, _of(AGE, text))
+
+
+def _of(key: str, text: str) -> Quantity:
+    """Read one quantity of a call, which is not negative."""
+    like = source_of(ENVIRONMENT, STATED[key][0]).like(ENVIRONMENT)
+    try:
+        found = parse_quantity(str(_zero(text)) if key == AGE else text, like)
+    except UnitError as error:
+        raise CallError(f"{key}: {error}") from None
+    if found.value < 0.0:
+        raise CallError(f"{key}: found {text!r}, expected one that is not negative")
+    return found
+
+
+def with_use(procedure: Procedure, lines: Iterable[ErrorLine]) -> Procedure:
+    """Return a procedure that is used as the lines say, in place of what it says."""
+    new = {line.name: line for line in lines}
+    if not new:
+        return procedure
+    at = tuple(f"{Name(name, owner=ENVIRONMENT)}:" for name in new)
+    return replace(
+        procedure,
+        environment=(
+            *(line for line in procedure.environment if line.name not in new),
+            *new.values(),
+        ),
+        assumptions=(
+            *(text for text in procedure.assumptions if not text.startswith(at)),
+            *(
+                note(
+                    "{key}: {said}",
+                    key=Name(line.name, owner=ENVIRONMENT),
+                    said=in_a_row(
+                        filter(None, (line.printed, note(line.meaning), line.source))
+                    ),
+                )
+                for line in new.values()
+            ),
+        ),
+    )
+
+
+def in_use(
+    procedure: Procedure, requirement: Requirement | None, mission: Mission | None
+) -> Procedure:
+    """Return a procedure that is used as all of them state.
+
+    What a call states goes before what files do, and is told by its source. An age of
+    0, as `environment: none` has it, gives way to any other.
+
+    Raises
+    ------
+    CallError
+        Two files state different ones.
+    """
+    stated: dict[str, tuple[ErrorLine, str]] = {
+        line.name: (line, procedure.origin.file)
+        for line in procedure.environment
+        if line.name in LINES
+    }
+    new = {}
+    for file in (requirement, mission):
+        for line in () if file is None else file.use:
+            other, where = stated.get(line.name, (line, ""))
+            is_asked = other.source == OPTION[AGE]
+            gives_way = line.name == AGE and not other.u.any() and not is_asked
+            if line.name == AGE and line.name in stated and not line.u.any():
+                continue
+            if other.source in OPTION.values() and not gives_way:
+                continue
+            if gives_way:
+                other = line
+            refuse_two(other, where, line, file.origin.file if file else "")
+            stated[line.name] = line, file.origin.file if file else ""
+            new[line.name] = line
+    return with_use(procedure, new.values())
+
+
+def refuse_two(one: ErrorLine, where: str, other: ErrorLine, there: str) -> None:
+    """Refuse two files that state different ones.
+
+    Raises
+    ------
+    CallError
+    """
+    if one.u[0] != other.u[0] or one.course != other.course:
+        key = next(key for key, (own, _) in STATED.items() if own == one.name)
+        raise CallError(
+            f"{key} is {one.printed} in {where} and {other.printed} in {there}; state "
+            f"it once, or with {OPTION.get(key, OPTION['environment'])}"
+        )
+
+
+def of_the_test(lines: Iterable[ErrorLine]) -> tuple[ErrorLine, ...]:
+    """Return the lines of an environment that act in the test, not in the use."""
+    return tuple(line for line in lines if line.name not in LINES)
+
+
+def stated_of(procedure: Procedure) -> Mapping[str, ErrorLine]:
+    """Return what is stated of the use, by its key: temperature, vibration, age."""
+    there = {line.name: line for line in procedure.environment}
+    return {key: there[line] for key, (line, _) in STATED.items() if line in there}
