@@ -269,8 +269,12 @@ def meaning_of(place, words):
         return "typical"
     if place.endswith("over_temperature") and "rms" in words.lower():
         return "rms"
-    bound = place.endswith(CONSTANTS) or words.startswith(("≤", "<", "±"))
-    return "max" if bound else "1 sigma"
+    bounds = ("≤", "<", "±", "maximum", "1 %, ±", "DC gravity; contains")
+    if words.startswith(bounds) and words.split(";")[0] != "±1 g condition":
+        return "max"
+    if place.endswith("nonlinearity"):
+        return "max"
+    return "typical" if place.endswith(CONSTANTS) else "1 sigma"
 
 
 @cache
