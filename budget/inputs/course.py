@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic_core import core_schema
 
 from budget.inputs.aiding import Spanned, Time
-from budget.inputs.fields import Checked, Later, Measured, Sign, Strict
+from budget.inputs.fields import Checked, Later, Measured, Sign, Strict, fault
 from budget.model.course import Fading, Profile, Stretches
 from budget.units import Quantity
 
@@ -122,7 +122,7 @@ class TemperaturePart(Checked):
             by, time = self.warm_up.by, self.warm_up.time
             return Known(
                 course=Fading(by=by.value, time=time.value),
-                printed=f"{-by.value:.6g} degC exp(-t/({time.printed}))",
+                printed=f"{-by.value:.6g} degC to 0 degC",
                 unit="degC",
             )
         zero = self.reference.value if self.reference else 0.0
@@ -131,9 +131,9 @@ class TemperaturePart(Checked):
             times=tuple(time.value for time in times),
             values=tuple(value.value - zero for value in values),
         )
-        low, high = min(found.values), max(found.values)
+        ends = (f"{end(found.values):.6g} degC" for end in (min, max))
         return Known(
-            course=found, printed=f"{low:.6g} degC to {high:.6g} degC", unit="degC"
+            course=found, printed=" to ".join(dict.fromkeys(ends)), unit="degC"
         )
 
 
@@ -185,6 +185,13 @@ class SizeOrCourse:
             if self.keys
             else isinstance(value, list | tuple)
         )
+        if self.keys and str(value).lstrip().startswith("-"):
+            raise fault(
+                f"found {value!r}, expected the size of the difference from the test, "
+                "1 sigma and without sign; one that is known goes under 'reference' "
+                "and 'profile', as in {reference: 25 degC, profile: [[0 s, -20 degC], "
+                "[60 s, -20 degC]]}"
+            )
         return (
             Later(lambda: self.course).read(value, info) if is_course else size(value)
         )

@@ -185,10 +185,10 @@ def largest_printed(
     return max((one.u for one in found), default=None)
 
 
-def least_printed(
+def printed_by_others(
     name: Name, device: Device, catalogue: Sequence[Device] | None = None
-) -> Comparable | None:
-    """Return the least of a line that other devices of like technology print.
+) -> tuple[Comparable, Comparable] | None:
+    """Return least and largest of a line that other devices of like technology print.
 
     None where fewer than FEW print it: that is no measure.
     """
@@ -198,7 +198,8 @@ def least_printed(
         for one in _printed(devices).get((name.owner, name.quantity), ())
         if one.owner != device.as_printed and _family(device) in {one.family, ""}
     ]
-    return min(found, key=lambda one: one.u) if len(found) >= FEW else None
+    by_size = sorted(found, key=lambda one: one.u)
+    return (by_size[0], by_size[-1]) if len(found) >= FEW else None
 
 
 def _expected(name: Name) -> Name:

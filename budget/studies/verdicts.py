@@ -40,6 +40,7 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
+from budget.inputs.makers import LINES_BY_WORD, bare
 from budget.inputs.records import FACTORY, JOINT, NONE
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
@@ -47,6 +48,7 @@ from budget.inputs.use import LINES, STATED, stated_of
 from budget.language import in_a_row, line_note, note, term
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
+from budget.model.course import Fading
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
 from budget.model.sources.later import (
     AGE,
@@ -72,10 +74,11 @@ from budget.studies.aiding import (
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
+    QUANTIZATION,
     at_most,
     ceilings,
     largest_printed,
-    least_printed,
+    printed_by_others,
 )
 from budget.studies.grades import FAMILIES, family
 from budget.studies.jointly import Jointly, components_of
@@ -153,6 +156,14 @@ USE_OF = {
 STAYS_BELOW = term("if {line} stays below {bound}")
 CHOSEN = term("if no other source acts than those that are chosen")
 DECIDES = term("{line} decides, and is not given: ask for it")
+FAR_BELOW = term(
+    "{line} {printed} is less than a tenth of what any other device like it prints "
+    "({other}): see to its unit"
+)
+FAR_OVER = term(
+    "{line} {printed} is more than ten times what any other device like it prints "
+    "({other}): see to its unit"
+)
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
@@ -1324,7 +1335,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
 def _unusual(
     device: Device, catalogue: Sequence[Device] | None = None
 ) -> Iterator[Caution]:
-    """Yield the lines of a sheet that are far below those of every other device.
+    """Yield the lines of a sheet that are far from those of every other device.
 
     So is a bias stability that has no time to be one: of a standard uncertainty s and a
     correlation time T its spectral density is at most 2 s^2 T, that of a random walk.
@@ -1332,20 +1343,21 @@ def _unusual(
     for sensor in device.sensors:
         for line in sensor.lines:
             name = Name(line.name, owner=sensor.kind)
-            least = least_printed(name, device, catalogue)
-            is_expected = bool(stand_in(name).expected)
-            if is_expected and least and line.largest < least.u / FAR_ABOVE:
-                yield Caution(
-                    kind="unusual",
-                    line=name,
-                    text=note(
-                        "{line} {printed} is less than a tenth of what any other "
-                        "device like it prints ({least}): see to its unit",
-                        line=line_note(name),
-                        printed=line.printed,
-                        least=least.printed,
-                    ),
-                )
+            found = printed_by_others(name, device, catalogue)
+            if found is not None and stand_in(name).expected:
+                least, most = found
+                is_low = line.largest < least.u / FAR_ABOVE
+                if is_low or line.largest > most.u * FAR_ABOVE:
+                    yield Caution(
+                        kind="unusual",
+                        line=name,
+                        text=note(
+                            FAR_BELOW if is_low else FAR_OVER,
+                            line=line_note(name),
+                            printed=line.printed,
+                            other=(least if is_low else most).printed,
+                        ),
+                    )
             time = line.correlation_time
             if line.name == STABILITY and time is not None and time.min() < SHORT:
                 yield Caution(
@@ -1457,7 +1469,7 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
             name = Name(line.name, owner=sensor.kind)
             key = USE_OF.get(line.name, "")
             if key and line.u.any():
-                found.append(_idle(name, line, key))
+                found.append(_idle(name, line, key, is_stated=False))
             elif key != "age" and time_of(line.horizon) is not None:
                 found.append(_lasting(name, line.horizon))
             found += _open_lines(name, line)
@@ -1467,17 +1479,22 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
 def _aside(device: Device) -> Iterator[Caution]:
     """Yield figures that are called as a line which the sheet does not give."""
     for figure in device.figures:
-        called = f" {re.sub('[^a-z0-9]+', ' ', figure.name.lower())} "
+        called = re.sub("[^a-z0-9]+", " ", figure.name.lower())
+        called = re.sub(r"\bacc(el)?\b", ACCELEROMETER, called)
         for sensor in device.sensors:
+            _, _, after = f" {called} ".rpartition(f" {sensor.kind} ")
+            known = LINES_BY_WORD.get(bare(after), ())
             for line in sensor.not_given:
-                if f" {sensor.kind} {words(line.quantity)} " in called:
+                is_called = line.quantity in known and line.quantity != QUANTIZATION
+                if is_called or f" {words(line.quantity)} " in f" {after}":
                     yield Caution(
                         kind="unusual",
                         line=line,
                         text=note(
                             "{name} {value} stands under figures, where no verdict "
-                            "counts it: enter it as the line that it is",
+                            "counts it: if it is the {line}, enter it as that",
                             name=figure.name,
+                            line=line_note(line),
                             value=figure.value,
                         ),
                     )
@@ -1558,13 +1575,15 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
         )
 
 
-def _idle(name: Name, line: ErrorLine, key: str) -> Caution:
+def _idle(name: Name, line: ErrorLine, key: str, *, is_stated: bool = True) -> Caution:
     """Say that a line is given and that nothing exercises it."""
     return Caution(
         kind="not_exercised",
         line=name,
         text=note(
-            "{line} {printed} is given and not exercised: the {use} stated is 0",
+            "{line} {printed} is given and not exercised: the {use} stated is 0"
+            if is_stated
+            else "{line} {printed} acts by the {use} at use, which is to be stated",
             line=line_note(name),
             printed=line.printed,
             use=note(key),
@@ -1623,9 +1642,18 @@ def use_words(procedure: Procedure) -> str:
         "vibration": term("{use} rms of vibration"),
         "age": term("{use} after the calibration"),
     }
+    fading = term(
+        "warming up by {by} to the temperature of the test (time constant {time})"
+    )
     return in_a_row(
         [
-            note(says[key], use=line.printed)
+            note(
+                fading,
+                by=f"{course.by:g} degC",
+                time=time_text(course.time),
+            )
+            if isinstance(course := line.course, Fading)
+            else note(says[key], use=line.printed)
             for key, line in stated.items()
             if line.u.any()
         ]

@@ -74,7 +74,7 @@ def test_a_warm_up_begins_below_and_fades():
     h = 1e-3
     rise = (line.course.at(t + h) - line.course.at(t - h)) / (2.0 * h)
     assert_allclose(line.course.slope(t), rise, rtol=1e-8)
-    assert line.printed == "-20 degC exp(-t/(300 s))"
+    assert line.printed == "-20 degC to 0 degC"
     # None of it is no course: the temperature of the test.
     none = file_of({"temperature": {"warm_up": {**WARM_UP, "by": "0 degC"}}})
     assert course(none, "temperature.mission").course is None
@@ -219,7 +219,7 @@ def test_two_files_cannot_say_it_and_a_call_goes_before_them():
     way = load_mission(file_of({"temperature": {"warm_up": WARM_UP}}))
     limits = {"gyro": {"bias": "1 deg/h"}}
     said = {"name": "r", "environment": {"temperature": "20 degC"}, "limits": limits}
-    with pytest.raises(CallError, match=r"20 degC in .* and -20 degC exp"):
+    with pytest.raises(CallError, match=r"20 degC in .* and -20 degC to 0 degC"):
         in_use(uncalibrated("factory"), load_requirement(said), way)
     asked = uncalibrated("factory", environment="temperature 5 degC")
     for procedure, has in ((uncalibrated("factory"), True), (asked, False)):
@@ -236,3 +236,9 @@ def test_the_schema_knows_both():
     assert check(on_trajectory([SHAKEN, {"value": "1 g"}]))
     assert not check(file_of({"temperature": {"warm_up": {"by": "9 degC"}}}))
     assert not check(file_of({"temperature": {"course": []}}))
+
+
+def test_a_temperature_that_is_known_has_a_place_of_its_own():
+    """A size has no sign; what is asked for instead is said with the refusal."""
+    with pytest.raises(SpecError, match=r"without sign; one that is known goes under"):
+        load_mission(file_of({"temperature": "-20 degC"}))

@@ -270,9 +270,8 @@ def meaning_of(place, words):
     if place.endswith("over_temperature") and "rms" in words.lower():
         return "rms"
     bounds = ("≤", "<", "±", "maximum", "1 %, ±", "DC gravity; contains")
-    if words.startswith(bounds) and words.split(";")[0] != "±1 g condition":
-        return "max"
-    if place.endswith("nonlinearity"):
+    is_bound = words.startswith(bounds) and words.split(";")[0] != "±1 g condition"
+    if is_bound or place.endswith("nonlinearity"):
         return "max"
     return "typical" if place.endswith(CONSTANTS) else "1 sigma"
 

@@ -319,6 +319,39 @@ def kinds_of(*, without=(), reads="300 deg/s", **lines):
     return [(one.kind, one.line.quantity) for one in found]
 
 
+def aside(name, **lines):
+    """Return what is said of a figure that stands beside the lines of a gyro."""
+    figures = [{"name": name, "value": "1 deg/sqrt(h)"}]
+    sheet = {"name": "sheet", "gyro": {"errors": lines}, "figures": figures}
+    found = cautions_of_device(load_device(sheet))
+    return [one.line.quantity for one in found if "under figures" in str(one.text)]
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("gyro_arw", "angle_random_walk"),
+        ("Gyro angle random walk, typical", "angle_random_walk"),
+        ("accel VRW", None),
+        ("gyro resolution", None),
+        ("the arw of the gyro", None),
+    ],
+)
+def test_a_figure_that_is_called_as_a_line_is_said(name, line):
+    """In the words of makers, of a sensor that the sheet has and a line it lacks."""
+    assert aside(name) == ([line] if line else [])
+    assert aside(name, angle_random_walk="0.1 deg/sqrt(h)") == []
+
+
+@pytest.mark.parametrize(("size", "is_far"), [(0.3, True), (0.003, False)])
+def test_a_figure_far_from_all_others_is_said(size, is_far):
+    """In deg/s for deg/h: above ten times the largest that others print."""
+    errors = {"bias_stability": f"{size} deg/s"}
+    sheet = {"name": "sheet", "gyro": {"errors": errors}}
+    found = cautions_of_device(load_device(sheet))
+    assert any("more than ten times" in str(one.text) for one in found) is is_far
+
+
 def test_a_sheet_that_says_all_leaves_nothing_open():
     """The control: every expected line, a range, and nothing that a use exercises."""
     assert kinds_of() == []
@@ -391,6 +424,6 @@ def test_validate_says_what_a_sheet_leaves_open():
     out = call("validate", "bmi088").out
     said = [line for line in out.splitlines() if line.startswith("  caution: ")]
     assert len(said) == len(set(said))
-    assert any("temperature" in line and "not exercised" in line for line in said)
+    assert any("temperature at use, which is to be stated" in line for line in said)
     own = {str(one.text) for one in cautions_of_device(load_device("bmi088"))}
     assert {line.removeprefix("  caution: ") for line in said} == own

@@ -103,7 +103,8 @@ def test_a_course_is_a_temperature_that_is_stated():
     """With all that it acts by the verdict has no condition, and says the course."""
     found = standing("0.5 deg/h/degC")
     assert (found.verdict, found.conditions) == ("meets", ())
-    assert_says(found.use, "-20 degC exp(-t/(300 s)) from the temperature of the test")
+    warming = "warming up by 20 degC to the temperature of the test"
+    assert_says(found.use, f"{warming} (time constant 5 min)")
     assert_says(found.use, "1 g to 2 g rms of vibration")
     assert not any("temperature" in str(one.line) for one in found.cautions)
     assert standing("0.6 deg/h/degC").verdict == "fails"
