@@ -6,7 +6,7 @@ that terminal, HTML and PDF show. What it may write:
     ## Title {:name}                    a section; `{:name first}` is of page one,
                                         `{:name page}` of pages, not of a terminal
     ### Title                           a panel of it, up to the next heading or `---`
-    Words **bold** {{ u|number(3) }}    a paragraph, a number with its exact value
+    Words **bold** $n_x$ {{ u|number }} a paragraph, a formula, an exact number
     > Words                             a small paragraph
     - point   1. point                  listings
     Table: caption {:name wide}         what the table below it shows
@@ -14,7 +14,14 @@ that terminal, HTML and PDF show. What it may write:
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
-    {{ block(x) }}                      a block that is made elsewhere: a figure
+    Brief: words                        what a terminal prints in place of the section
+    {{ block(x) }}                      a block that is made elsewhere: a figure; in a
+                                        sentence a formula
+    {% call abreast(3) %} {% endcall %} panels and figures in it beside each other
+
+A whole document begins with `# Title`, a listing of facts, the headline, the summary
+(each a paragraph) and its cards (`### Title`, a paragraph a line); sections follow. The
+words of a figure, and of what is made elsewhere, are macros of a page.
 
 Sentences stand in `{% trans %}`, whole, with their values as named parts. No value is
 read as Markdown, whatever stands in it. Filters round and write values; a template
@@ -25,6 +32,7 @@ from __future__ import annotations
 
 import re
 from contextvars import ContextVar
+from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
 from operator import attrgetter
@@ -34,6 +42,9 @@ from markupsafe import Markup
 
 from budget.language import template
 from budget.report.blocks import (
+    Abreast,
+    Block,
+    Card,
     Cell,
     Column,
     Listing,
@@ -66,7 +77,8 @@ if TYPE_CHECKING:
     from markdown_it import MarkdownIt
     from markdown_it.tree import SyntaxTreeNode
 
-    from budget.report.blocks import Block
+    from budget.report.blocks import Words
+    from budget.report.formulas import Math
 
 FOLDER, SUFFIX = "pages", ".md.j2"
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
@@ -75,25 +87,66 @@ _HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w.]+)\})?$", re.DOTALL)
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
 _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
+_FORMULA = re.compile(r"\$([^$]+)\$")
 _TAG = re.compile(r"\{%.*?%\}")
-TABLE = "Table: "
-_objects: ContextVar[list[Block]] = ContextVar("objects")
+TABLE, BRIEF = "Table: ", "Brief: "
+_objects: ContextVar[list[Block | Math]] = ContextVar("objects")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page:
+    """What a page of a whole document says: see `budget.report.blocks.Document`."""
+
+    title: str
+    facts: tuple[str, ...]
+    headline: str
+    summary: Words
+    cards: tuple[Card, ...]
+    sections: tuple[Section, ...]
 
 
 def sections(page: str, /, **view: object) -> tuple[Section, ...]:
     """Return the sections of a page, filled in with values, in the language spoken."""
-    objects: list[Block] = []
-    token = _objects.set(objects)
-    try:
-        tree = _tree(page, view)
-    finally:
-        _objects.reset(token)
-    return tuple(_sections(tree.children, objects))
+    return tuple(_sections(*_filled(page, view)))
 
 
-def line(page: str, /, **view: object) -> str:
-    """Return the words of a page that has one paragraph, for a file."""
-    return _text(_tree(page, view))
+def document(page: str, /, **view: object) -> Page:
+    """Return what a page says that is a whole document."""
+    nodes, objects = _filled(page, view)
+    (_, head), *_ = _under({"h2"}, nodes)
+    (_, own), *cards = _under({"h3"}, head)
+    title, *rest = own
+    facts = [one for one in rest if one.type == "bullet_list"]
+    headline, *said = [one for one in rest if one.type == "paragraph"]
+    return Page(
+        title=_text(title),
+        facts=tuple(_text(one) for listing in facts for one in listing.children),
+        headline=_text(headline),
+        summary=tuple(word for one in said for word in _words(one, objects)),
+        cards=tuple(
+            Card(title=_text(of), lines=tuple(_words(one, objects) for one in lines))
+            for of, lines in cards
+            if of is not None
+        ),
+        sections=tuple(_sections(nodes[len(head) :], objects)),
+    )
+
+
+def blocks(page: str, macro: str = "", /, **view: object) -> tuple[Block, ...]:
+    """Return the blocks of a page that has no section, or of one of its macros."""
+    return tuple(_panels(*_filled(page, view, macro)))
+
+
+def line(page: str, macro: str = "", /, **view: object) -> str:
+    """Return the words of a page, or of one of its macros, as plain text."""
+    nodes, _ = _filled(page, view, macro)
+    return " ".join(map(_text, nodes))
+
+
+def runs(page: str, macro: str = "", /, **view: object) -> Words:
+    """Return the words of a page, or of one of its macros: bold, exact, formulas."""
+    nodes, objects = _filled(page, view, macro)
+    return tuple(word for node in nodes for word in _words(node, objects))
 
 
 # ---- Markdown to blocks --------------------------------------------------------------
@@ -109,31 +162,57 @@ def _reader() -> MarkdownIt:
     return MarkdownIt("zero").enable(rules)
 
 
-def _tree(page: str, view: Mapping[str, object]) -> SyntaxTreeNode:
-    """Fill a page in with values, and read it."""
+def _filled(
+    page: str, view: Mapping[str, object], macro: str = ""
+) -> tuple[Sequence[SyntaxTreeNode], Sequence[Block | Math]]:
+    """Fill a page, or a macro of it, in with values, and read it."""
+    template = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}")
+    objects: list[Block | Math] = []
+    token = _objects.set(objects)
+    try:
+        if macro:
+            text = getattr(template.make_module(), macro)(**view)
+        else:
+            text = template.render(view)
+        return _nodes(text), objects
+    finally:
+        _objects.reset(token)
+
+
+def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
+    """Read the Markdown of a page; a value in a formula is a part of it."""
     from markdown_it.tree import SyntaxTreeNode
 
-    text = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}").render(view)
-    return SyntaxTreeNode(_reader().parse(text))
+    from budget.report.formulas import Math
+
+    text = _FORMULA.sub(
+        lambda one: _block(Math(source=shown(" ".join(one[1].split())))), text
+    )
+    return SyntaxTreeNode(_reader().parse(text)).children
 
 
 def _sections(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
 ) -> Iterator[Section]:
     """Yield the sections that headings of the second level begin."""
     for title, own in _under({"h2"}, nodes):
+        if title is None:
+            continue
         said, name, how = _named(title)
+        brief = [one for one in own if _raw(one).startswith(BRIEF)]
         yield Section(
             name=name,
             title=said,
-            blocks=tuple(_panels(own, objects)),
+            blocks=tuple(_panels([one for one in own if one not in brief], objects)),
             on_first_page="first" in how,
-            in_brief="" if "page" in how else None,
+            in_brief=_text(brief[0]).removeprefix(BRIEF)
+            if brief
+            else ("" if "page" in how else None),
         )
 
 
 def _panels(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
 ) -> Iterator[Block]:
     """Yield blocks, those below a heading of the third level in a panel."""
     for title, own in _under({"h3", "hr"}, nodes):
@@ -155,7 +234,7 @@ def _under(
 
 
 def _blocks(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
 ) -> Iterator[Block]:
     """Yield the block of each node; a caption is of the table below it."""
     caption: SyntaxTreeNode | None = None
@@ -164,23 +243,27 @@ def _blocks(
             case "paragraph" if _raw(node).startswith(TABLE):
                 caption = node
             case "paragraph":
-                words = _words(node)
-                if len(words) == 1 and isinstance(words[0], int):
-                    yield objects[words[0]]
+                words = _words(node, objects)
+                if len(words) == 1 and isinstance(words[0], Block):
+                    yield words[0]
                 else:
                     yield Paragraph(words=words)
             case "blockquote":
                 for one in node.children:
-                    yield Paragraph(words=_words(one), small=True)
+                    yield Paragraph(words=_words(one, objects), small=True)
             case "bullet_list" | "ordered_list":
                 yield Listing(
-                    items=tuple(_words(one.children[0]) for one in node.children),
+                    items=tuple(
+                        _words(one.children[0], objects) for one in node.children
+                    ),
                     empty="",
                     numbered=node.type == "ordered_list",
                 )
             case "table" if caption is None and not _text(node.children[0]).strip():
                 rows = (row.children for row in node.children[1].children)
-                yield Pairs(rows=tuple((_text(one), _words(of)) for one, of in rows))
+                yield Pairs(
+                    rows=tuple((_text(one), _words(of, objects)) for one, of in rows)
+                )
             case "table":
                 yield _table(node, caption)
                 caption = None
@@ -272,7 +355,7 @@ def _raw(node: SyntaxTreeNode) -> str:
     return "".join(child.content for child in node.children)
 
 
-def _words(node: SyntaxTreeNode) -> Any:  # noqa: ANN401 - words, and marks of cells
+def _words(node: SyntaxTreeNode, objects: Sequence[Block | Math] = ()) -> Any:  # noqa: ANN401 - words, and marks of cells
     """Return the words of a node; numbers and bold ones as runs, marks as they are."""
     found: list[Any] = []
     for text, strong in _inline(node):
@@ -281,7 +364,7 @@ def _words(node: SyntaxTreeNode) -> Any:  # noqa: ANN401 - words, and marks of c
             _add(found, text[at : mark.start()], strong=strong)
             kind, value = mark[1], mark[2]
             if kind == OBJECT:
-                found.append(int(value))
+                found.append(objects[int(value)])
             elif kind == EXACT:
                 exact, _, said = value.partition(OF)
                 size = int(exact) if exact.isdecimal() else float(exact)
@@ -337,8 +420,13 @@ def _environment() -> SandboxedEnvironment:
     )
     environment.policies["ext.i18n.trimmed"] = True
     environment.newstyle_gettext = True  # type: ignore[attr-defined]
-    environment.globals |= {"gettext": _said, "ngettext": _counted, "block": _block}
-    environment.filters |= {**FILTERS, "runs": _runs, "by": _by}
+    environment.globals |= {
+        "gettext": _said,
+        "ngettext": _counted,
+        "block": _block,
+        "abreast": _abreast,
+    }
+    environment.filters |= {**FILTERS, "runs": _in_runs, "by": _by}
     return environment
 
 
@@ -384,13 +472,20 @@ def _counted(one: str, many: str, number: int, **parts: object) -> Marked:
     return _said(one if number == 1 else many, **parts)
 
 
-def _block(value: Block) -> Marked:
-    """Put a block that is made elsewhere into the page."""
+def _block(value: Block | Math) -> Marked:
+    """Put a block, or a formula, that is made elsewhere into the page."""
     _objects.get().append(value)
     return Marked(f"{OBJECT}{len(_objects.get()) - 1}{END}")
 
 
-def _runs(
+def _abreast(columns: int = 2, *, caller: Callable[[], str]) -> Marked:
+    """Put panels and figures beside each other."""
+    nodes = _nodes(caller())
+    own: Any = tuple(_panels(nodes, _objects.get()))
+    return _block(Abreast(blocks=own, columns=columns))
+
+
+def _in_runs(
     records: Iterable[Any], by: str | Callable[[Any], object]
 ) -> Iterator[tuple[object, list[Any]]]:
     """Yield runs of records that have something in common, with what it is."""

@@ -8,7 +8,18 @@ from jinja2 import TemplateError
 from budget.errors import OutputError
 from budget.language import speaking
 from budget.report import pages
-from budget.report.blocks import Cell, Listing, Pairs, Panel, Paragraph, Run, Table
+from budget.report.blocks import (
+    Abreast,
+    Card,
+    Cell,
+    Listing,
+    Pairs,
+    Panel,
+    Paragraph,
+    Run,
+    Table,
+)
+from budget.report.formulas import Math
 
 # What Markdown, HTML and Jinja2 would read.
 HOSTILE = (
@@ -193,3 +204,53 @@ def test_a_page_whose_template_is_missing_is_named():
     """Which file, and to install the program again: no limit of the system is it."""
     with pytest.raises(OutputError, match=r"own\.md\.j2: this template is missing"):
         pages.sections("own")
+
+
+def test_a_whole_document_has_title_facts_headline_summary_and_cards(page):
+    """And its sections; what a terminal prints in brief; panels beside each other."""
+    formula = Math(source="n_x")
+    view = {"title": "*t* | u", "formula": formula, "x": 2}
+    page(
+        "# {{ title }}\n\n- fact\n- {{ title }}\n\n**FAILS** it\n\n"
+        'By {{ "2"|exact(2.5) }}, {{ block(formula) }}.\n\n'
+        "### Card\n\n**Fails**\n\nof $K_x^({{ x }} m)$, $n_x$\n\n"
+        "### Next\n\n## S {:s}\n\nBrief: short {{ title }}\n\n"
+        "{% call abreast(3) %}\n### A\n\na\n\n### B\n\nb\n{% endcall %}\n",
+        **view,
+    )
+    found = pages.document("own", **view)
+    assert (found.title, found.facts) == ("*t* | u", ("fact", "*t* | u"))
+    assert found.headline == "FAILS it"
+    assert found.summary == ("By ", Run(text="2", exact=2.5), ", ", formula, ".")
+    bold = (Run(text="Fails", strong=True),)
+    power = Math(source="K_x^(2 m)")
+    assert found.cards == (
+        Card(title="Card", lines=(bold, ("of ", power, ", ", formula))),
+        Card(title="Next", lines=()),
+    )
+    (section,) = found.sections
+    assert section.in_brief == "short *t* | u"
+    (abreast,) = section.blocks
+    assert abreast == Abreast(
+        blocks=tuple(
+            Panel(title=one, blocks=(Paragraph(words=(one.lower(),)),)) for one in "AB"
+        ),
+        columns=3,
+    )
+
+
+def test_the_words_of_a_figure_are_macros_of_a_page(page):
+    """As plain text, as words with bold and exact numbers, as blocks."""
+    page(
+        "{% macro axis(unit) %}u [{{ unit }}]{% endmacro %}\n"
+        '{% macro said(x) %}**{{ x }}** and {{ "1"|exact(1.5) }}{% endmacro %}\n'
+        "{% macro listed(rows) %}\n{% for one in rows %}\n- {{ one }}\n{% endfor %}\n"
+        "{% endmacro %}\n"
+    )
+    assert pages.line("own", "axis", unit="deg/h [x]") == "u [deg/h [x]]"
+    run = Run(text="1", exact=1.5)
+    assert pages.runs("own", "said", x="*") == (
+        *(Run(text="*", strong=True), " and ", run),
+    )
+    (listing,) = pages.blocks("own", "listed", rows=["# a", "b"])
+    assert listing == Listing(items=(("# a",), ("b",)), empty="")
