@@ -423,9 +423,12 @@ def analyze_as(
             *estimate.assumptions,
         ),
         warnings=warnings,
-        could_widen=could_widen(sensors, procedure, reference=settings.reference)
-        if of_test
-        else {},
+        could_widen=could_widen(
+            sensors,
+            procedure,
+            reference=settings.reference,
+            on=analysis.carried,
+        ),
         matrices=matrices,
         quantities=input_quantities(analysis),
         filled=analysis.filled.lines,

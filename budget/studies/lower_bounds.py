@@ -163,20 +163,26 @@ def _holds_over(line: ErrorLine | None, age: float) -> bool:
 
 
 def could_widen(
-    sensors: Sequence[Sensor], procedure: Procedure, *, reference: str
+    sensors: Sequence[Sensor],
+    procedure: Procedure,
+    *,
+    reference: str,
+    on: tuple[Mission, tuple[Name, ...]] | None = None,
 ) -> Mapping[Name, tuple[Name, ...]]:
     """Return for each line that is not given the outputs that it would reach.
 
-    () where it changes nothing under this error reference.
+    `on` is a mission with its outputs, in the place of those of the calibration. () of
+    a line that changes nothing: under this error reference, or in this use.
     """
     found: dict[Name, tuple[Name, ...]] = {}
-    for triads in _families(sensors, procedure):
+    families = _families(sensors, procedure) if on is None else (sensors,)
+    for triads in families:
         probes = {
             name: source_of(name.owner, name.quantity)
             for sensor in triads
             for name in sensor.not_given
         }
-        found |= _reached(triads, probes, procedure, reference)
+        found |= _reached(triads, probes, procedure, reference, on=on)
     return found
 
 

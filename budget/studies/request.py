@@ -289,16 +289,19 @@ class Analysis:
         """The law of propagation for it."""
         return propagate(self.problem)
 
+    @property
+    def carried(self) -> tuple[Mission, tuple[Name, ...]] | None:
+        """The mission and its outputs, where it is asked for."""
+        if self.journey is None:
+            return None
+        return self.journey, Places.of(self.outputs or ()).every
+
     @cached_property
     def lacks(self) -> Mapping[Name, tuple[Name, ...]]:
         """Expected lines that are not given and would widen an output, by its name."""
-        if self.journey is not None:
+        if self.carried is not None:
             return lacking_of_mission(
-                self.sensors,
-                self.procedure,
-                self.journey,
-                Places.of(self.outputs or ()).every,
-                only=self.only,
+                self.sensors, self.procedure, *self.carried, only=self.only
             )
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
