@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+import traceback
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from jinja2 import Environment
     from jinja2.sandbox import SandboxedEnvironment
+    from markupsafe import Markup
 
+_own: ContextVar[Path | None] = ContextVar("own templates", default=None)
 PACKAGE = Path(__file__).resolve().parent
+TEMPLATES = "templates"
+SHIPPED = "shipped/"  # before the name of a template that shall not be one's own
+LONGEST_SAID = 300  # characters of what is wrong with a template
+LARGEST_PICTURE = 1_000_000  # bytes
+PICTURES = {
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+    ".jpeg": "image/jpeg",
+}
 
 
 def shipped(name: str, *under: str) -> Path:
@@ -38,15 +53,104 @@ def first_stem(file: str) -> str:
 
 
 def names_in(folder: str, *under: str) -> list[str]:
-    """Return the names of what ships in a folder, up to the first dot of each."""
-    return sorted(first_stem(file.name) for file in shipped(folder, *under).iterdir())
+    """Return the names of what ships in a folder, up to the first dot of each.
+
+    With those of templates of one's own.
+    """
+    own = _own.get() if folder == TEMPLATES else None
+    folders = [shipped(folder, *under), *([own.joinpath(*under)] if own else ())]
+    files = (file for one in folders if one.is_dir() for file in one.iterdir())
+    return sorted({first_stem(file.name) for file in files})
+
+
+@contextmanager
+def templates_of(folder: str | Path | None) -> Iterator[None]:
+    """Let the templates of a folder go before those that ship, while it lasts.
+
+    They stand under the names of the shipped ones, which they may extend or include
+    as `shipped/NAME`.
+
+    Raises
+    ------
+    OutputError
+        There is no such folder, or it has no file in the place of a template.
+    """
+    path = None if folder is None else Path(folder)
+    if path is not None and not path.is_dir():
+        raise OutputError(
+            f"{folder}: no folder of templates is there; give one that has files under "
+            "the names of those of the program, as page.css or pages/limits.md.j2"
+        )
+    token = _own.set(path)
+    try:
+        yield
+    finally:
+        _own.reset(token)
+
+
+def own_templates() -> Path | None:
+    """Return the folder whose templates go before those that ship, if there is one."""
+    return _own.get()
+
+
+def template_file(name: str) -> Path:
+    """Return the file of a template: one's own, else that which ships."""
+    own = _own.get()
+    if own is not None and (own / name).is_file():
+        return own / name
+    return shipped(TEMPLATES, name)
+
+
+@contextmanager
+def telling(name: str) -> Iterator[None]:
+    """Tell what is wrong with a template of one's own, with its file and line.
+
+    Raises
+    ------
+    OutputError
+        What was done with the template failed, or it is missing.
+    """
+    from jinja2 import TemplateError, TemplateSyntaxError
+
+    own = _own.get()
+    try:
+        yield
+    except OutputError:
+        raise
+    except TemplateSyntaxError as error:
+        if own is None:
+            raise
+        place = error.filename or str(own / name)
+        raise _broken(f"{place}:{error.lineno}", error) from error
+    except Exception as error:
+        steps = [] if own is None else traceback.extract_tb(error.__traceback__)
+        inside = [f for f in steps if own and Path(f.filename).is_relative_to(own)]
+        if inside:
+            place = f"{inside[-1].filename}:{inside[-1].lineno}"
+            raise _broken(place, error) from error
+        is_shown = isinstance(
+            error, TemplateError | LookupError | TypeError | ValueError
+        )
+        if own is None or not is_shown or not (own / name).is_file():
+            raise
+        raise _broken(str(own / name), error) from error
+
+
+def _broken(place: str, error: Exception) -> OutputError:
+    """Say where a template is broken, and what the program says of it."""
+    said = " ".join(str(error).split()) or type(error).__name__
+    return OutputError(
+        f"{place}: {said[:LONGEST_SAID]}; mend this template (docs/templates.md), or "
+        "leave --templates out"
+    )
 
 
 def template_environment(**options: object) -> SandboxedEnvironment:
-    """Return a jinja2 environment of the shipped templates, with further options.
+    """Return a jinja2 environment of the templates, with further options.
 
     A value that is not there is an error, and so is one that is no attribute of what a
-    template is given; a line of a tag alone is no line of what is written.
+    template is given; a line of a tag alone is no line of what is written. Templates of
+    one's own go before those that ship.
 
     Raises
     ------
@@ -56,25 +160,89 @@ def template_environment(**options: object) -> SandboxedEnvironment:
     from jinja2 import FileSystemLoader, StrictUndefined, TemplateNotFound
     from jinja2.sandbox import SandboxedEnvironment
 
-    class ShippedLoader(FileSystemLoader):
-        """Templates of the program."""
+    own = _own.get()
+    ships = shipped(TEMPLATES)
+    folders = [ships] if own is None else [own, ships]
+
+    class Loader(FileSystemLoader):
+        """Templates of one's own, and of the program."""
 
         def get_source(
             self, environment: Environment, template: str
         ) -> tuple[str, str, Callable[[], bool]]:
+            name = template.removeprefix(SHIPPED)
+            of = self if name == template else FileSystemLoader(ships)
             try:
-                return super().get_source(environment, template)
+                return FileSystemLoader.get_source(of, environment, name)
+            except UnicodeDecodeError as error:
+                raise OutputError(
+                    f"{template_file(name)}: found a byte that is not UTF-8, expected "
+                    "a text file; write the template in UTF-8"
+                ) from error
             except TemplateNotFound as error:
                 raise OutputError(
-                    f"{shipped('templates', template)}: this template is missing; it "
+                    f"{shipped('templates', name)}: this template is missing; it "
                     "comes with the program: install that again"
+                    if own is None
+                    else f"{own / name}: no template is called so, here or in the "
+                    "program; name one that there is"
                 ) from error
 
-    return SandboxedEnvironment(
-        loader=ShippedLoader(shipped("templates")),
+    environment = SandboxedEnvironment(
+        loader=Loader(folders),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
         **options,
     )
+    environment.filters["embedded"] = embedded
+    return environment
+
+
+def embedded(name: str) -> Markup:
+    """Return a picture of one's own folder as an address that a page carries.
+
+    Raises
+    ------
+    OutputError
+        It is not there, of another kind than PICTURES, or larger than LARGEST_PICTURE.
+    """
+    from base64 import b64encode
+
+    from markupsafe import Markup
+
+    suffix = Path(name).suffix.lower()
+    content = own_pictures().get(name)
+    if content is None:
+        raise OutputError(
+            f"{(_own.get() or Path()) / name}: no such picture is there; put it into "
+            f"the folder of the templates as {', '.join(PICTURES)}"
+        )
+    address = f"data:{PICTURES[suffix]};base64,{b64encode(content).decode()}"
+    return Markup(address)  # noqa: S704 - of letters and digits
+
+
+def own_pictures() -> dict[str, bytes]:
+    """Return the pictures in the folder of one's own templates by their names.
+
+    Raises
+    ------
+    OutputError
+        One is larger than LARGEST_PICTURE, or cannot be read.
+    """
+    own = _own.get()
+    found: dict[str, bytes] = {}
+    for path in sorted(own.iterdir()) if own else ():
+        if path.suffix.lower() not in PICTURES or not path.is_file():
+            continue
+        if path.stat().st_size > LARGEST_PICTURE:
+            raise OutputError(
+                f"{path}: found a picture of {path.stat().st_size} bytes, allowed are "
+                f"{LARGEST_PICTURE}; make it smaller"
+            )
+        try:
+            found[path.name] = path.read_bytes()
+        except OSError as error:
+            raise OutputError(f"{path}: cannot read it ({error.strerror})") from error
+    return found

@@ -85,6 +85,7 @@ def compare(
     csv: options.CsvFile = None,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
 ) -> None:
     """Compare devices against a requirement, best first.

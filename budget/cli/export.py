@@ -17,10 +17,11 @@ NAMES = tuple(names_in("templates", "export"))
 def _target(text: str) -> str:
     """Read the name of a target, in capitals too."""
     name = text.strip().casefold()
-    if name not in NAMES:
+    there = names_in("templates", "export")
+    if name not in there:
         shown = text if len(text) <= options.LONGEST_NUMBER else "the text given"
         raise typer.BadParameter(
-            f"{shown!r} is no target; there are: {', '.join(NAMES)}"
+            f"{shown!r} is no target; there are: {', '.join(there)}"
         )
     return name
 
@@ -121,6 +122,7 @@ def export(
             show_default=False,
         ),
     ] = None,
+    _templates: options.Templates = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:

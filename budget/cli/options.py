@@ -244,6 +244,27 @@ OUTPUT: Any = typer.Option(
     help="Report to write, .html or .pdf; may be given again.",
     show_default=False,
 )
+
+
+def _own_templates(context: typer.Context, folder: Path | None) -> Path | None:
+    """Let the templates of a folder go before those that ship, for this call."""
+    from budget.resources import templates_of
+
+    context.with_resource(templates_of(folder))
+    return folder
+
+
+Templates = Annotated[
+    Path | None,
+    typer.Option(
+        "--templates",
+        metavar="DIR",
+        is_eager=True,  # targets of an export may stand there
+        callback=_own_templates,
+        help="Folder with templates, style sheet and letterhead of your own.",
+        show_default=False,
+    ),
+]
 Paper = Annotated[
     Literal["a4", "letter"],
     typer.Option(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),

@@ -12,6 +12,7 @@ def paper(
     *,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
     language: options.Language = "en",

@@ -34,6 +34,7 @@ def report(
     changes: options.Changes = None,
     output: Annotated[list[Path], options.OUTPUT],
     paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
     calibration: options.Calibration = None,
     procedure: options.ProcedureFile = None,

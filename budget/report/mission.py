@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from budget.names import LENGTHS, Name
-from budget.report.pages import sections
+from budget.report.pages import blocks
 from budget.report.tables import (
     HEADING,
     SMALL_SHARE,
@@ -263,7 +263,7 @@ def limits_blocks(
 
     And what the worst of these outputs are made of.
     """
-    (page,) = sections(
+    return blocks(
         "mission_limits",
         usual=usual,
         rows=[(row, as_limited(row)) for row in rows],
@@ -272,4 +272,3 @@ def limits_blocks(
         used_part=used_part,
         outcome=lambda row: outcome_words(assessment, row),
     )
-    return page.blocks

@@ -14,10 +14,11 @@ from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
-from budget.resources import template_environment
+from budget.resources import own_templates, telling, template_environment
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
     from jinja2.sandbox import SandboxedEnvironment
     from markupsafe import Markup
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Block, Document, Picture, RowGroup, Words
 
 
+PAGE = "page.html.j2"
 SCRIPTS = ("what_if.js", "page.js")  # in the order that they stand in the page
 # Templates that scripts say, `word("{n} of {m}", ...)`, or mark for it, `term("none")`.
 MESSAGE = re.compile(r'\b(?:word|term)\(\s*"([^"\\]*)"')
@@ -42,7 +44,7 @@ def render_page(document: Document) -> str:
     OutputError
         A template is missing.
     """
-    with speaking(document.language):
+    with speaking(document.language), telling(PAGE):
         return _render(drawn(document))
 
 
@@ -63,7 +65,7 @@ def _render(document: Document) -> str:
         "per_cent": lambda share: f"{100.0 * min(share, 1.0):.1f}%",
     }
     script = _script(environment)
-    page = environment.get_template("page.html.j2").render(
+    page = environment.get_template(PAGE).render(
         document=document,
         say=say,
         first=[section for section in document.sections if section.on_first_page],
@@ -265,13 +267,18 @@ POWER = re.compile(r"(?<=\d)e([+-]?)0*(\d+)\b")  # of ten, as Python prints it
 PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
 
 
-@cache  # it keeps what it has compiled, and reads a template that has changed again
 def page_environment() -> SandboxedEnvironment:
     """Return the jinja2 environment of every page: escaping, numbers kept with units.
 
     Missing values are errors, plain text is escaped and its numbers bound to their
     units; the filters `number` and `longest_tail` set columns.
     """
+    return _environment_of(own_templates())
+
+
+@cache  # it keeps what it has compiled, and reads a template that has changed again
+def _environment_of(_: Path | None) -> SandboxedEnvironment:
+    """Return that of a folder of templates that go before those that ship."""
     environment = template_environment(
         finalize=lambda value: bind(value) if type(value) is str else value
     )

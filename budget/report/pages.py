@@ -68,10 +68,11 @@ from budget.report.writing import (
     marked,
     shown,
 )
-from budget.resources import template_environment
+from budget.resources import own_templates, telling, template_environment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from jinja2.sandbox import SandboxedEnvironment
     from markdown_it import MarkdownIt
@@ -107,46 +108,34 @@ class Page:
 
 def sections(page: str, /, **view: object) -> tuple[Section, ...]:
     """Return the sections of a page, filled in with values, in the language spoken."""
-    return tuple(_sections(*_filled(page, view)))
+    with telling(_file(page)):
+        return tuple(_sections(*_filled(page, view)))
 
 
 def document(page: str, /, **view: object) -> Page:
     """Return what a page says that is a whole document."""
-    nodes, objects = _filled(page, view)
-    (_, head), *_ = _under({"h2"}, nodes)
-    (_, own), *cards = _under({"h3"}, head)
-    title, *rest = own
-    facts = [one for one in rest if one.type == "bullet_list"]
-    headline, *said = [one for one in rest if one.type == "paragraph"]
-    return Page(
-        title=_text(title),
-        facts=tuple(_text(one) for listing in facts for one in listing.children),
-        headline=_text(headline),
-        summary=tuple(word for one in said for word in _words(one, objects)),
-        cards=tuple(
-            Card(title=_text(of), lines=tuple(_words(one, objects) for one in lines))
-            for of, lines in cards
-            if of is not None
-        ),
-        sections=tuple(_sections(nodes[len(head) :], objects)),
-    )
+    with telling(_file(page)):
+        return _page(*_filled(page, view))
 
 
 def blocks(page: str, macro: str = "", /, **view: object) -> tuple[Block, ...]:
     """Return the blocks of a page that has no section, or of one of its macros."""
-    return tuple(_panels(*_filled(page, view, macro)))
+    with telling(_file(page)):
+        return tuple(_panels(*_filled(page, view, macro)))
 
 
 def line(page: str, macro: str = "", /, **view: object) -> str:
     """Return the words of a page, or of one of its macros, as plain text."""
-    nodes, _ = _filled(page, view, macro)
-    return " ".join(map(_text, nodes))
+    with telling(_file(page)):
+        nodes, _ = _filled(page, view, macro)
+        return " ".join(map(_text, nodes))
 
 
 def runs(page: str, macro: str = "", /, **view: object) -> Words:
     """Return the words of a page, or of one of its macros: bold, exact, formulas."""
-    nodes, objects = _filled(page, view, macro)
-    return tuple(word for node in nodes for word in _words(node, objects))
+    with telling(_file(page)):
+        nodes, objects = _filled(page, view, macro)
+        return tuple(word for node in nodes for word in _words(node, objects))
 
 
 # ---- Markdown to blocks --------------------------------------------------------------
@@ -162,11 +151,16 @@ def _reader() -> MarkdownIt:
     return MarkdownIt("zero").enable(rules)
 
 
+def _file(page: str) -> str:
+    """Return the file of a page among the templates."""
+    return f"{FOLDER}/{page}{SUFFIX}"
+
+
 def _filled(
     page: str, view: Mapping[str, object], macro: str = ""
 ) -> tuple[Sequence[SyntaxTreeNode], Sequence[Block | Math]]:
     """Fill a page, or a macro of it, in with values, and read it."""
-    template = _environment().get_template(f"{FOLDER}/{page}{SUFFIX}")
+    template = _environment().get_template(_file(page))
     objects: list[Block | Math] = []
     token = _objects.set(objects)
     try:
@@ -189,6 +183,27 @@ def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
         lambda one: _block(Math(source=shown(" ".join(one[1].split())))), text
     )
     return SyntaxTreeNode(_reader().parse(text)).children
+
+
+def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]) -> Page:
+    """Return what stands before the first section, and the sections."""
+    (_, head), *_ = _under({"h2"}, nodes)
+    (_, own), *cards = _under({"h3"}, head)
+    title, *rest = own
+    facts = [one for one in rest if one.type == "bullet_list"]
+    headline, *said = [one for one in rest if one.type == "paragraph"]
+    return Page(
+        title=_text(title),
+        facts=tuple(_text(one) for listing in facts for one in listing.children),
+        headline=_text(headline),
+        summary=tuple(word for one in said for word in _words(one, objects)),
+        cards=tuple(
+            Card(title=_text(of), lines=tuple(_words(one, objects) for one in lines))
+            for of, lines in cards
+            if of is not None
+        ),
+        sections=tuple(_sections(nodes[len(head) :], objects)),
+    )
 
 
 def _sections(
@@ -404,9 +419,14 @@ def _inline(
 # ---- values to Markdown --------------------------------------------------------------
 
 
-@cache
 def _environment() -> SandboxedEnvironment:
     """Return what fills templates in: no value is Markdown, none may be missing."""
+    return _environment_of(own_templates())
+
+
+@cache
+def _environment_of(_: Path | None) -> SandboxedEnvironment:
+    """Return that of a folder of templates that go before those that ship."""
     from jinja2.ext import Extension
 
     class Lines(Extension):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -54,9 +55,14 @@ def render_pages(
 
     `warn` is told of characters that no font of this machine has.
     """
+    from budget.language import speaking
     from budget.report.page import render_page
+    from budget.report.pages import sections
     from budget.report.typeset import typeset
 
+    with speaking(document.language):
+        further = sections("further", document=document)
+    document = replace(document, sections=(*document.sections, *further))
     files: dict[Path, str | bytes] = {}
     made: dict[str, str | bytes] = {}
     for path in paths:

@@ -34,7 +34,7 @@ from budget.report.blocks import (
 )
 from budget.report.fonts import choose_fonts, name_character, place_fonts, text_width
 from budget.report.tables import align_decimals
-from budget.resources import shipped
+from budget.resources import own_pictures, template_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from budget.report.fonts import Face
 
 
-TEMPLATE = "report.typ"
+TEMPLATE, LETTERHEAD = "report.typ", "letterhead.typ"
 HEAD_LENGTH = 100  # characters that fit into the running head
 SIZE = re.compile(r'<svg\b[^>]*?\bwidth="([\d.]+)(?:pt)?"')
 
@@ -469,11 +469,15 @@ def render_pdf(
     OutputError
         The template is not there, or typst refuses it, the data or an image.
     """
-    source = _read_template(template)
+    source, letterhead = map(_read_template, (template, LETTERHEAD))
+    pictures = own_pictures()
     try:
         with TemporaryDirectory(prefix="budget-") as folder:
             root = Path(folder)
             (root / "main.typ").write_bytes(source)
+            (root / LETTERHEAD).write_bytes(letterhead)
+            for name, content in pictures.items():
+                (root / name).write_bytes(content)
             (root / "data.json").write_text(
                 json.dumps(data, allow_nan=False), encoding="utf-8"
             )
@@ -520,7 +524,7 @@ def _compile(root: Path, template: str, date: str) -> tuple[bytes, list[TypstWar
 
 def _read_template(name: str) -> bytes:
     """Read a template; an installation may have lost one."""
-    path = shipped("templates") / name
+    path = template_file(name)
     try:
         return path.read_bytes()
     except OSError as error:

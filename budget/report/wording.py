@@ -15,6 +15,7 @@ from budget.report.tables import (
     print_share,
     source_title,
 )
+from budget.studies.verdicts import USE_OF
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -280,6 +281,9 @@ PLURALS = {
     "scale_factor": term("scale factors"),
     "mounting_angle": term("mounting angles"),
     "bias": term("biases"),
+    "position": term("position"),
+    "velocity": term("velocity"),
+    "attitude": term("attitude"),
 }
 NOTHING = term("changes nothing under this error reference")
 
@@ -292,18 +296,25 @@ def listed(texts: Sequence[str]) -> str:
     return say("{most} and {last}", most=say(", ").join(most), last=last)
 
 
-def not_given_lines(reach: Mapping[Name, tuple[Name, ...]]) -> tuple[str, ...]:
+def not_given_lines(
+    reach: Mapping[Name, tuple[Name, ...]], *, is_later: bool = False
+) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
     `reach` has the outputs that each absent line would reach, from
-    budget.studies.lower_bounds.could_widen.
+    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on.
     """
+    acts = term("acts by the {use} at use, which is 0 or not stated")
     absent: dict[tuple[str, str], list[str]] = {}
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
         plurals = [say(PLURALS[key]) for key in PLURALS if key in reached]
-        effect = listed(plurals or [say(NOTHING)])
-        said = effect if not reached else say("could widen {effect}", effect=effect)
+        if reached:
+            said = say("could widen {effect}", effect=listed(plurals))
+        elif is_later and name.quantity in USE_OF:
+            said = say(acts, use=say(USE_OF[name.quantity]))
+        else:
+            said = say(NOTHING)
         absent.setdefault((name.owner, said), []).append(words(name.quantity))
     return tuple(
         say(

@@ -18,6 +18,7 @@ from document_examples import make_document, make_picture, make_table
 
 from budget.errors import OutputError
 from budget.language import template
+from budget.report import page as page_module
 from budget.report.blocks import Card, Cell, Column, Picture, RowGroup, Section, Table
 from budget.report.figures.style import INK, MUTED
 from budget.report.formulas import Math
@@ -28,7 +29,6 @@ from budget.report.page import (
     longest_tail,
     natural_width,
     number_markup,
-    page_environment,
     render_page,
     script_messages,
     script_safe,
@@ -322,8 +322,8 @@ def test_missing_template_is_named(monkeypatch, tmp_path, name):
     (templates / name).unlink()
     monkeypatch.setattr("budget.resources.shipped", tmp_path.joinpath)
     # As in a process of its own, which has compiled nothing yet.
-    own = cache(page_environment.__wrapped__)
-    monkeypatch.setattr("budget.report.page.page_environment", own)
+    own = cache(page_module._environment_of.__wrapped__)  # noqa: SLF001
+    monkeypatch.setattr(page_module, "_environment_of", own)
 
     with pytest.raises(OutputError, match=rf"{re.escape(name)}: this template"):
         render_page(example())

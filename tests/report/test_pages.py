@@ -44,9 +44,9 @@ def page(tmp_path, monkeypatch):
         return pages.sections("own", **view)
 
     monkeypatch.setattr("budget.resources.shipped", tmp_path.joinpath)
-    pages._environment.cache_clear()  # noqa: SLF001 - it has read the shipped folder
+    pages._environment_of.cache_clear()  # noqa: SLF001 - it has read the shipped folder
     yield make
-    pages._environment.cache_clear()  # noqa: SLF001
+    pages._environment_of.cache_clear()  # noqa: SLF001
 
 
 def test_a_page_becomes_the_blocks_that_its_marks_ask_for(page):

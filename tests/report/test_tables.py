@@ -394,3 +394,13 @@ def test_sources_set_to_zero_are_told():
     only = replace(make_budget().settings, only=("gyro.bias_stability",))
 
     assert settings_lines(only)[-1] == ("only", "gyro.bias_stability")
+
+
+def test_a_line_that_acts_by_a_use_is_said_to():
+    """At a later turn-on; in the test of a calibration it changes nothing."""
+    gyro = load_device("stim300#5g").gyro
+    for reference, is_later in (("next_turn_on", True), ("nominal", False)):
+        reach = could_widen((gyro,), load_procedure(), reference=reference)
+        said = not_given_lines(reach, is_later=is_later)
+        (line,) = [one for one in said if "vibration rectification" in one]
+        assert ("acts by the vibration at use, which is 0 or not" in line) is is_later

@@ -341,3 +341,22 @@ def test_equal_contributions_keep_their_order():
 
     again = rank_contributions(nudged, (ZHAO,), load_procedure(), None)
     assert [contribution.title for contribution in again] == titles
+
+
+@pytest.mark.parametrize("environment", ["none", "vibration 1 g"])
+def test_lines_that_are_not_given_reach_what_a_mission_asks_for(environment):
+    """Its own outputs, not parameters; what a use exercises where it is stated."""
+    found = analyze(
+        "stim300#5g",
+        calibration="factory",
+        mission="outage-60-s",
+        environment=environment,
+        validate=False,
+    ).could_widen
+    walk = found[Name("rate_random_walk", owner="gyro")]
+    assert {name.owner for name in walk} == {"mission"}
+    assert {name.quantity for name in walk} == {"position", "velocity", "attitude"}
+    reached = found[Name("vibration_rectification", owner="gyro")]
+    assert bool(reached) is (environment != "none")
+    # A level flight at a steady speed has no acceleration whose cube counts.
+    assert not found[Name("scale_factor_cubic", owner="accelerometer")]

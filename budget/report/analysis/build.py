@@ -312,7 +312,13 @@ def _gaps(budget: Budget, extras: Sequence[Extra]) -> Section:
             if text not in budget.warnings
         ),
     )
-    missing = not_given_lines(budget.could_widen)
+    own = [budget, *(one.carried for one in extras if one.carried is not None)]
+    reach = {
+        name: tuple(output for one in own for output in one.could_widen.get(name, ()))
+        for name in dict.fromkeys(name for one in own for name in one.could_widen)
+    }
+    is_later = any(one.settings.reference == "next_turn_on" for one in own)
+    missing = not_given_lines(reach, is_later=is_later)
     lists = (
         (
             say("Not given"),

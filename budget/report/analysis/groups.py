@@ -113,7 +113,13 @@ def rest_sections(budget: Budget, *, checked: str) -> tuple[Section, ...]:
     if checked:
         settings.append((term("checked"), checked))
     not_given = (
-        _listed(say("Not given"), not_given_lines(budget.could_widen))
+        _listed(
+            say("Not given"),
+            not_given_lines(
+                budget.could_widen,
+                is_later=budget.settings.reference == "next_turn_on",
+            ),
+        )
         if budget.mission is None
         else _named(say("Not given"), budget.not_given)
     )

@@ -20,13 +20,20 @@ from jinja2 import pass_context
 
 from budget.errors import CallError
 from budget.model.sources import SENSORS
-from budget.resources import first_stem, shipped, template_environment
+from budget.resources import (
+    first_stem,
+    own_templates,
+    telling,
+    template_environment,
+    template_file,
+)
 from budget.studies.export.figures import Figure, Missing, print_number
 from budget.ties import settle
 from budget.units import size_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
+    from pathlib import Path
 
     from jinja2.runtime import Context
     from jinja2.sandbox import SandboxedEnvironment
@@ -110,15 +117,20 @@ class Target:
         return {one.attr for one in found}
 
 
-@cache
 def targets() -> dict[str, Target]:
     """Return what there is, by the name that `--to` calls it."""
+    return _targets(own_templates())
+
+
+@cache
+def _targets(_: Path | None) -> dict[str, Target]:
+    """Return those of a folder of templates that go before those that ship."""
     from jinja2 import nodes
 
     environment = _environment()
     found = {}
     for file in environment.list_templates(filter_func=_is_export):
-        source = shipped("templates", file).read_text("utf-8")
+        source = template_file(file).read_text("utf-8")
         said = {
             one.target.name: one.node.as_const()
             for one in environment.parse(source).body
@@ -277,7 +289,8 @@ def fill_in(
     """Fill the template of a target in."""
     filled = Filled(target=target, inflate=inflate)
     shown = {"header": HEADER, "rate": rate, "gravity": gravity, "filled": filled}
-    filled.text = _environment().get_template(target.file).render(shown, **known)
+    with telling(target.file):
+        filled.text = _environment().get_template(target.file).render(shown, **known)
     return filled
 
 
@@ -288,9 +301,14 @@ def keys_of(target: Target) -> list[tuple[str, str, str]]:
     return [(key, *said) for key, said in filled.asked.items()]
 
 
-@cache
 def _environment() -> SandboxedEnvironment:
     """Return what reads templates: a line of a tag alone is no line of the file."""
+    return _environment_of(own_templates())
+
+
+@cache
+def _environment_of(_: Path | None) -> SandboxedEnvironment:
+    """Return that of a folder of templates that go before those that ship."""
     environment = template_environment(keep_trailing_newline=True)
     environment.filters |= {
         "to": _to,
