@@ -469,14 +469,15 @@ def render_pdf(
     OutputError
         The template is not there, or typst refuses it, the data or an image.
     """
-    source, letterhead = map(_read_template, (template, LETTERHEAD))
-    pictures = own_pictures()
+    source = _read_template(template)
+    beside = dict(own_pictures())
+    if template == TEMPLATE:
+        beside[LETTERHEAD] = _read_template(LETTERHEAD)
     try:
         with TemporaryDirectory(prefix="budget-") as folder:
             root = Path(folder)
             (root / "main.typ").write_bytes(source)
-            (root / LETTERHEAD).write_bytes(letterhead)
-            for name, content in pictures.items():
+            for name, content in beside.items():
                 (root / name).write_bytes(content)
             (root / "data.json").write_text(
                 json.dumps(data, allow_nan=False), encoding="utf-8"

@@ -213,7 +213,7 @@ class TestDevices:
         assert run.code == 0
         assert max(map(len, run.out.splitlines())) <= int(width)
         # However narrow, the same numbers.
-        for text in ("0.056", "8.074", "x 101"):
+        for text in ("0.056", "8.074", "x 143"):
             assert text in run.out.split("Gyro bias, u")[1].splitlines()[1]
 
     def test_csv(self):

@@ -13,7 +13,7 @@ from sources import nodes_of
 from watching import CALLS, watch
 
 from budget.cli import app
-from budget.resources import shipped
+from budget.resources import shipped, template_environment, templates_of
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
@@ -146,8 +146,8 @@ def last_name(called):
     return ast.unparse(called).split(".")[-1]
 
 
-def test_templates_come_from_the_package_alone():
-    """Every loader of templates is given the shipped folder, and escapes."""
+def test_templates_come_from_the_package_and_the_folder_that_is_named(tmp_path):
+    """Every loader of templates is given these alone, and escapes."""
     loaders, environments = [], []
     for path in SHIPPED:
         nodes = nodes_of(path)
@@ -168,7 +168,11 @@ def test_templates_come_from_the_package_alone():
                         {k.arg: ast.unparse(k.value) for k in node.keywords}
                     )
                 assert name not in {"Template", "from_string"} - plain
-    assert loaders == ["ShippedLoader(shipped('templates'))"]
+    assert loaders == ["Loader(folders)", "FileSystemLoader(ships)"]
+    ships = str(shipped("templates"))
+    assert template_environment().loader.searchpath == [ships]
+    with templates_of(tmp_path):
+        assert template_environment().loader.searchpath == [str(tmp_path), ships]
     (options,) = environments
     assert options["autoescape"] == "True"
 

@@ -21,7 +21,7 @@ def template(tmp_path, monkeypatch):
 
     def put(source):
         (tmp_path / "x.typ").write_text(source, encoding="utf-8")
-        monkeypatch.setattr(pdf_module, "shipped", lambda _: tmp_path)
+        monkeypatch.setattr(pdf_module, "template_file", lambda name: tmp_path / name)
         return "x.typ"
 
     return put

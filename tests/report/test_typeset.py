@@ -366,7 +366,7 @@ def test_a_figure_twice_is_printed_twice():
 
 def test_a_lost_template_is_told(tmp_path, monkeypatch):
     """A template that is not there is one line that says what to do."""
-    monkeypatch.setattr(pdf_module, "shipped", lambda _: tmp_path)
+    monkeypatch.setattr(pdf_module, "template_file", lambda name: tmp_path / name)
     with pytest.raises(
         OutputError, match=r"report\.typ: cannot read .*install"
     ) as told:
