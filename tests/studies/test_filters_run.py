@@ -388,7 +388,8 @@ def test_an_update_that_is_not_symmetrised_goes_astray():
     """Control: P - K H P of a mems unit for ten minutes; symmetrised it is the filter.
 
     An asymmetry grows with every update; what rounding makes of one is by processor
-    0.2 to 7000 times the whole in the end, so one of 1e-14, which ends a million times as large, begins it.
+    0.2 to 7000 times the whole in the end, so one of 1e-14 begins it, which ends a
+    million times as large.
     """
     kalman = journey(analysis("mems", "g5.yaml")).filter
     steps, n = kalman.steps, kalman.n
