@@ -95,7 +95,7 @@ def every_message():
         *(script_messages(shipped_template(name)) for name in SCRIPTS),
         *(
             messages(path.read_text(encoding="utf-8"))
-            for path in shipped("templates", "pages").iterdir()
+            for path in shipped("templates", "pages").rglob("*.md.j2")
         ),
     )
 

@@ -218,8 +218,10 @@ def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
     """A folder `templates` where the user works changes nothing."""
     folder = tmp_path / "templates"
     folder.mkdir()
-    for path in shipped("templates").iterdir():
-        (folder / path.name).write_text("taken over", encoding="utf-8")
+    for path in shipped("templates").rglob("*.*"):
+        own = folder / path.relative_to(shipped("templates"))
+        own.parent.mkdir(parents=True, exist_ok=True)
+        own.write_text("taken over", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     run = call("report", "--no-validate", "-o", "a.html")
     assert run.code == 0, run.err
