@@ -91,6 +91,10 @@ class Note(str):
         """Keep the parts when the text is sent to another process."""
         return Note, (self.template, self.parts)
 
+    def said(self) -> str:
+        """Say it in the language of the context."""
+        return say(self.template, **self.parts)
+
 
 def note(text: str, /, **parts: object) -> Note:
     """Write a template in English, to be said later."""
@@ -114,7 +118,7 @@ def say(text: str, /, **parts: object) -> str:
     come as they are to be read.
     """
     if isinstance(text, Note):
-        return say(text.template, **text.parts)
+        return text.said()
     said = template(text)
     if not parts:
         return said

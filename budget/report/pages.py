@@ -40,7 +40,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from budget.language import template
+from budget.language import spoken, template
 from budget.report.blocks import (
     Abreast,
     Block,
@@ -69,6 +69,7 @@ from budget.report.writing import (
     shown,
 )
 from budget.resources import own_templates, telling, template_environment
+from budget.sentences import PAGE, message_key, module_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -81,11 +82,11 @@ if TYPE_CHECKING:
     from budget.report.blocks import Words
     from budget.report.formulas import Math
 
-FOLDER, SUFFIX = "pages", ".md.j2"
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
 _NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
 _HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w.]+)\})?$", re.DOTALL)
-_PARTS = re.compile(r"%\((\w+)\)s|%%")
+# What Markdown reads, or a mark, in words that a template has printed.
+_READ = re.compile(rf"[*\\`$|#>{EXACT}{OBJECT}{BENEATH}{BAR}]|^\s*[-+\d]", re.MULTILINE)
 _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
 _FORMULA = re.compile(r"\$([^$]+)\$")
@@ -127,6 +128,9 @@ def blocks(page: str, macro: str = "", /, **view: object) -> tuple[Block, ...]:
 def line(page: str, macro: str = "", /, **view: object) -> str:
     """Return the words of a page, or of one of its macros, as plain text."""
     with telling(_file(page)):
+        text = _printed(page, view, macro)
+        if _READ.search(text) is None:
+            return shown(" ".join(re.split("[ \n]+", text.strip(" \n"))))
         nodes, _ = _filled(page, view, macro)
         return " ".join(map(_text, nodes))
 
@@ -153,24 +157,27 @@ def _reader() -> MarkdownIt:
 
 def _file(page: str) -> str:
     """Return the file of a page among the templates."""
-    return f"{FOLDER}/{page}{SUFFIX}"
+    return PAGE.format(page)
 
 
 def _filled(
     page: str, view: Mapping[str, object], macro: str = ""
 ) -> tuple[Sequence[SyntaxTreeNode], Sequence[Block | Math]]:
     """Fill a page, or a macro of it, in with values, and read it."""
-    template = _environment().get_template(_file(page))
     objects: list[Block | Math] = []
     token = _objects.set(objects)
     try:
-        if macro:
-            text = getattr(template.make_module(), macro)(**view)
-        else:
-            text = template.render(view)
-        return _nodes(text), objects
+        return _nodes(_printed(page, view, macro)), objects
     finally:
         _objects.reset(token)
+
+
+def _printed(page: str, view: Mapping[str, object], macro: str) -> str:
+    """Return what a page, or a macro of it, prints of values."""
+    template = _environment().get_template(_file(page))
+    if not macro:
+        return template.render(view)
+    return str(getattr(module_of(template, spoken()), macro)(**view))
 
 
 def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
@@ -465,12 +472,7 @@ def messages(source: str) -> set[str]:
         for _, _, one in found
         for text in ((one,) if isinstance(one, str) else one)
     ]
-    return {_key(text) for text in texts if text}
-
-
-def _key(message: str) -> str:
-    """Return what the catalogue calls a sentence: parts in braces."""
-    return _PARTS.sub(lambda one: f"{{{one[1]}}}" if one[1] else "%", message)
+    return {message_key(text) for text in texts if text}
 
 
 def _said(message: str, **parts: object) -> Marked:
@@ -478,7 +480,7 @@ def _said(message: str, **parts: object) -> Marked:
 
     What a template has made of them has no blanks around it.
     """
-    said = template(_key(message))
+    said = template(message_key(message))
     return Marked(_PLACES.sub(lambda one: _part(parts[one[1]]), said))
 
 

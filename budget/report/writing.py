@@ -24,7 +24,7 @@ from budget.report.tables import (
     round_uncertainty,
     source_title,
 )
-from budget.report.wording import VERDICTS, capital, standing_lines
+from budget.report.wording import VERDICTS, capital, listed, standing_lines
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -121,6 +121,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "strong": strong,
     "capital": capital,
     "commas": _commas,
+    "listed": lambda texts: Marked(listed([marked(one) for one in texts])),
     "said": say,
     "words": words,
     "key": key_title,

@@ -18,6 +18,7 @@ from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
 from budget.names import Name, key_title, time_text
+from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -56,10 +57,8 @@ def few_trials(trials: int | None, coverage: float) -> tuple[str, ...]:
     if trials is None or trials * (1.0 - coverage) >= LEAST_OUTSIDE:
         return ()
     wanted = int(np.ceil(LEAST_OUTSIDE / (1.0 - coverage)))
-    text = note(
-        "{trials} trials leave {outside:.3g} outside an interval "
-        "of coverage {coverage:g}: its ends are rough, {wanted} "
-        "trials would do",
+    text = sentence(
+        "cautions.few_trials",
         trials=trials,
         outside=trials * (1.0 - coverage),
         coverage=coverage,

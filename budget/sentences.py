@@ -1,0 +1,144 @@
+"""Sentences that records keep, as macros of templates/pages, said in any language.
+
+`sentence("cautions.few_trials", trials=...)` is the macro `few_trials` of
+templates/pages/cautions.md.j2, filled in in English; `budget.language.say` says it in
+the language of the context, from the templates of one's own where there are any. JSON
+and messages have the English of the shipped one, always.
+"""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING
+
+from markupsafe import Markup
+
+from budget.language import (
+    ENGLISH,
+    Note,
+    key_title,
+    say,
+    speaking,
+    spoken,
+    template,
+    words,
+)
+from budget.names import time_text
+from budget.resources import (
+    own_templates,
+    telling,
+    template_environment,
+    templates_of,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+    from pathlib import Path
+    from typing import Any, Self
+
+    from jinja2 import Template
+    from jinja2.sandbox import SandboxedEnvironment
+
+PAGE = "pages/{}.md.j2"  # the file of a page among the templates
+_PARTS = re.compile(r"%\((\w+)\)s|%%")
+
+
+class Sentence(Note):
+    """A text that keeps the macro it is and its values: English, sayable in any."""
+
+    __slots__ = ()
+
+    def __new__(cls, place: str, parts: Mapping[str, object]) -> Self:
+        """Fill the macro in in English, from the templates that ship."""
+        self = str.__new__(cls, _english(place, parts))
+        self.template, self.parts = place, parts
+        return self
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the values when the text is sent to another process."""
+        return Sentence, (self.template, self.parts)
+
+    def said(self) -> str:
+        """Say it in the language of the context."""
+        return _filled(self.template, self.parts)
+
+
+def sentence(place: str, /, **parts: object) -> Sentence:
+    """Fill a macro, 'page.macro', in with values, to be said later."""
+    return Sentence(place, parts)
+
+
+def message_key(message: str) -> str:
+    """Return what the catalogue calls a sentence of Jinja2: parts in braces."""
+    return _PARTS.sub(lambda one: f"{{{one[1]}}}" if one[1] else "%", message)
+
+
+@cache
+def module_of(template: Template, language: str) -> Any:  # noqa: ANN401, ARG001 - macros by name; what a page sets is in a language
+    """Return the macros of a page in a language."""
+    return template.make_module()
+
+
+def _english(place: str, parts: Mapping[str, object]) -> str:
+    """Fill a macro that ships in, in English."""
+    if spoken() == ENGLISH and own_templates() is None:
+        return _filled(place, parts)
+    with speaking(ENGLISH), templates_of(None):
+        return _filled(place, parts)
+
+
+def _filled(place: str, parts: Mapping[str, object]) -> str:
+    """Fill a macro in, in the language of the context."""
+    page, _, macro = place.partition(".")
+    file = PAGE.format(page)
+    with telling(file):
+        template = _environment(own_templates()).get_template(file)
+        said = getattr(module_of(template, spoken()), macro)(**parts)
+    return " ".join(said.split(" ")) if "\n" not in said else " ".join(said.split())
+
+
+@cache
+def _environment(_: Path | None) -> SandboxedEnvironment:
+    """Return what fills sentences in; they are text, and no value is escaped."""
+    environment = template_environment(finalize=_plain, extensions=["jinja2.ext.i18n"])
+    environment.policies["ext.i18n.trimmed"] = True
+    environment.newstyle_gettext = True  # type: ignore[attr-defined]
+    environment.globals |= {"gettext": _said, "ngettext": _counted}
+    environment.filters |= {
+        "said": say,
+        "words": words,
+        "key": key_title,
+        "time": time_text,
+        "commas": _commas,
+        "listed": _listed,
+    }
+    return environment
+
+
+def _plain(value: object) -> Markup:
+    """Return a value as text; a note is said."""
+    return Markup(say(value) if isinstance(value, Note) else str(value))  # noqa: S704 - text, no HTML
+
+
+def _said(message: str, **parts: object) -> Markup:
+    """Say a sentence of a template in the language spoken."""
+    found = {key: str(_plain(value)).strip() for key, value in parts.items()}
+    said = template(message_key(message))
+    return Markup(re.sub(r"\{(\w+)\}", lambda one: found[one[1]], said))  # noqa: S704 - text, no HTML
+
+
+def _counted(one: str, many: str, number: int, **parts: object) -> Markup:
+    """Say the sentence for one thing, or that for another number of them."""
+    return _said(one if number == 1 else many, **parts)
+
+
+def _commas(texts: Iterable[object], mark: str = ", ") -> str:
+    """Put texts in a row, with a mark of the language between them."""
+    return say(mark).join(str(_plain(one)) for one in texts)
+
+
+def _listed(texts: Iterable[object]) -> str:
+    """Write words as a sentence lists them: 'a, b and c'."""
+    *most, last = [str(_plain(one)) for one in texts]
+    return say("{most} and {last}", most=_commas(most), last=last) if most else last
