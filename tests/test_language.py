@@ -7,14 +7,19 @@ import pickle
 import re
 import string
 from dataclasses import replace
-from functools import cache
-from itertools import chain
-from pathlib import Path
 
 import pytest
 from command_line import call
 from document_text import find, on_terminal
-from places import PACKAGE, SHIPPED
+from extraction import (
+    CATALOGUES,
+    catalogue_of,
+    every_message,
+    messages_of,
+    shipped_template,
+    vocabulary,
+)
+from places import PACKAGE
 from report_examples import make_assessment, make_budget
 
 from budget.errors import CallError
@@ -24,114 +29,22 @@ from budget.language import (
     counted,
     key_title,
     note,
-    read_catalogue,
     say,
     speaking,
     spoken,
     words,
 )
-from budget.model.sources import SOURCES
-from budget.names import LENGTHS, MISSION, OUTPUTS, PLACES, Name
-from budget.names import words as plain_words
+from budget.names import Name
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.page import SCRIPTS, script_messages
-from budget.report.pages import messages
 from budget.report.wording import say_words
-from budget.resources import shipped
-from zhao_2019.printed import load_paper
 
-CATALOGUES = [language for language in LANGUAGES if language != "en"]
 # What stays as it is: units, names, keys of files, options and abbreviations.
 KEPT = re.compile(
     r"[\w-]+\.yaml|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
 )
-SIGNS = re.compile(r"\{.*?\}|\b\w_\w+|^ (?:arcsec|deg/h|mg)$")
-SAYING = {"say", "say_words", "counted", "term", "note"}
-
-
-def messages_of(tree):
-    """Return every template that a module hands to the functions of the language."""
-    own = {
-        alias.asname or alias.name
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom)
-        and node.module in {"budget.language", "budget.report.wording"}
-        for alias in node.names
-    } | {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
-    own &= SAYING
-    calls = [
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Call)
-        and isinstance(node.func, ast.Name)
-        and node.func.id in own
-    ]
-    return {
-        part.value
-        for call in calls
-        for given in (call.args[1:] if call.func.id == "counted" else call.args[:1])
-        # Of a choice both sides are said; what its condition compares with is not.
-        for side in (
-            [given.body, given.orelse] if isinstance(given, ast.IfExp) else [given]
-        )
-        for part in [side]
-        if isinstance(part, ast.Constant) and isinstance(part.value, str)
-    }
-
-
-@cache
-def every_message():
-    """Return the templates of the whole package, of the page and of its scripts."""
-    page = "".join(map(shipped_template, ("page.html.j2", "page.css")))
-    return {
-        message
-        for path in SHIPPED
-        for message in messages_of(ast.parse(path.read_text(encoding="utf-8")))
-    }.union(
-        re.findall(r'say\("([^"]*)"', page),
-        paper_messages(),
-        *(script_messages(shipped_template(name)) for name in SCRIPTS),
-        *(
-            messages(path.read_text(encoding="utf-8"))
-            for path in shipped("templates", "pages").rglob("*.md.j2")
-        ),
-    )
-
-
-def shipped_template(name):
-    """Return the text of a template, style sheet or script of the page."""
-    return shipped("templates").joinpath(name).read_text(encoding="utf-8")
-
-
-def paper_messages():
-    """Return what the file of the paper says in words, templates of findings too."""
-    paper = load_paper()
-    findings = paper.findings.values()
-    reasons = [
-        f.why if isinstance(f.why, str) else (*f.why.values(),) for f in findings
-    ]
-    texts = {
-        *(paper.title, paper.reference, *paper.sections.values(), *paper.cards),
-        *(*paper.verdicts, *paper.verdicts.values(), *paper.notes.values()),
-        *(*paper.assumptions, *paper.figures, *chain(*paper.figure_3.items())),
-        *chain(*((one.condition, one.note) for one in paper.orders)),
-        *(one.name for one in (*paper.readings, *paper.noise_readings)),
-        *chain(*((f.equation, *f.names, f.ours, f.note) for f in paper.formulas)),
-        *(f" {f.unit}" for f in paper.formulas),
-        *chain(*((one.section, *one.claims.values()) for one in paper.conclusions)),
-        *chain(*((f.where, *f.place, f.printed) for f in findings)),
-        *chain(*([why] if isinstance(why, str) else why for why in reasons)),
-    }
-    # Numbers, units and formulas are no words.
-    return {text for text in texts if re.search(r"[a-z]{2}|, ", SIGNS.sub("", text))}
-
-
-def catalogue_of(language):
-    """Return the translations of a language, as the file has them."""
-    path = Path(PACKAGE) / "languages" / f"{language}.po"
-    return read_catalogue(path.read_text(encoding="utf-8"))
 
 
 def parts_of(template):
@@ -141,18 +54,6 @@ def parts_of(template):
         for _, name, spec, conversion in string.Formatter().parse(template)
         if name is not None
     }
-
-
-def vocabulary():
-    """Return the words of files that reports print: of sources, outputs, owners."""
-    keys = {source.name.replace(".", " ") for source in SOURCES}
-    owners = {owner for source in SOURCES for owner in source.units}
-    places = {
-        axis if quantity == "attitude" else f"{axis} {quantity}"
-        for quantity, axes in PLACES.items()
-        for axis in (*axes, *filter(None, [LENGTHS.get(quantity)]))
-    }
-    return {plain_words(key) for key in (*keys, *owners, *OUTPUTS, MISSION)} | places
 
 
 @pytest.mark.parametrize("language", CATALOGUES)
