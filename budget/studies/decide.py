@@ -1,0 +1,349 @@
+"""What to buy for a need: which device, after which calibration, on which station."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import reduce
+from typing import TYPE_CHECKING, Any
+
+from budget.errors import CallError
+from budget.inputs import load_device, load_mission, load_requirement
+from budget.inputs.load import several
+from budget.inputs.records import FACTORY, UNCALIBRATED
+from budget.names import MISSION
+from budget.results import SCHEMA, Tabled
+from budget.studies.allocation.allocate import allocate
+from budget.studies.allocation.longer_tests import AS_THEY_ARE
+from budget.studies.comparison.compare import compare
+from budget.studies.comparison.records import DeviceVerdict
+from budget.studies.stations import qualify
+from budget.studies.verdicts import FAILS, NUMBERED, VERDICTS, gravest
+from budget.ties import settle
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
+    from budget.methods.execution import Progress
+    from budget.names import Name
+    from budget.results import Condition, InputFile, Settings, Standing
+    from budget.studies.allocation.records import Recalibration
+    from budget.studies.comparison.records import Comparison, Entrant
+    from budget.studies.stations import Qualification, StationVerdict
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offer:
+    """One device after one calibration, with all that the requirement limits of it."""
+
+    name: str
+    file: str
+    calibration: str  # the name of the procedure, or of the maker's
+    order: int  # of the calibration: 0 is the maker's, where it is among them
+    parts: tuple[Entrant, ...]  # both triads, what belongs to both, the mission
+    standing: Standing  # of all parts
+
+    @property
+    def verdict(self) -> str:
+        """One of verdicts.VERDICTS, the gravest of its parts."""
+        return self.standing.verdict
+
+    @property
+    def worst(self) -> DeviceVerdict | None:
+        """The part that uses most of its limits; None: nothing is known of one."""
+        judged = [one for one in self.parts if isinstance(one, DeviceVerdict)]
+        if len(judged) < len(self.parts):
+            return None
+        return max(judged, key=lambda one: settle(one.utilisation))
+
+    @property
+    def utilisation(self) -> float | None:
+        """The largest part of a limit that is used [1]; None: it is not known."""
+        return None if self.worst is None else self.worst.utilisation
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether the utilisation is that or more."""
+        return any(getattr(one, "lower_bound", True) for one in self.parts)
+
+    @property
+    def place(self) -> tuple[int, int, float]:
+        """What it is chosen by, less is better: verdict, calibration, utilisation."""
+        used = self.utilisation
+        return (
+            VERDICTS.index(self.verdict),
+            self.order,
+            float("inf") if used is None else settle(used),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        worst = self.worst
+        return {
+            "name": self.name,
+            "file": self.file,
+            "calibration": self.calibration,
+            "verdict": self.verdict,
+            "utilisation": self.utilisation,
+            "lower_bound": self.is_bound,
+            "worst_outputs": [] if worst is None else list(worst.worst_outputs),
+            "limiting_source": None if worst is None else worst.remedy.source,
+            "price": self.parts[0].price,
+            "mass": self.parts[0].mass,
+            "power": self.parts[0].power,
+            **self.standing.to_dict(),
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Purchase:
+    """What to buy of one kind: a whole unit, or one triad where units have one."""
+
+    kind: str  # 'device', or the sensor
+    offers: tuple[Offer, ...]  # best first, a device once after each calibration
+    # Of the chosen one: stations for its test, () where it needs none or it is not
+    # known which; and how old its calibration may become.
+    stations: tuple[StationVerdict, ...] = ()
+    recalibrations: tuple[Recalibration, ...] = ()
+
+    @property
+    def best(self) -> tuple[Offer, ...]:
+        """Of each device what it does after the calibration that serves it best."""
+        found: dict[tuple[str, str], Offer] = {}
+        for one in self.offers:
+            found.setdefault((one.name, one.file), one)
+        return tuple(found.values())
+
+    @property
+    def chosen(self) -> Offer | None:
+        """The one to buy; None where none meets, on conditions at least."""
+        first = self.offers[0]
+        return first if first.verdict in NUMBERED else None
+
+    @property
+    def meeting(self) -> tuple[Offer, ...]:
+        """All devices that meet, or meet on conditions."""
+        return tuple(one for one in self.best if one.verdict in NUMBERED)
+
+    @property
+    def open(self) -> tuple[tuple[Offer, Condition], ...]:
+        """Devices that cannot be judged, with the line to ask their makers for."""
+        return tuple(
+            (one, one.standing.asks[0])
+            for one in self.best
+            if one.verdict not in {*NUMBERED, FAILS} and one.standing.asks
+        )
+
+    @property
+    def failing(self) -> tuple[Offer, ...]:
+        """Devices that fail after every calibration."""
+        return tuple(one for one in self.best if one.verdict == FAILS)
+
+    @property
+    def of_chosen(self) -> tuple[Offer, ...]:
+        """The chosen device, or the nearest one, after each calibration."""
+        first = self.offers[0]
+        return tuple(
+            one
+            for one in self.offers
+            if (one.name, one.file) == (first.name, first.file)
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what documents say of it."""
+        chosen = self.chosen
+        return {
+            "kind": self.kind,
+            "chosen": None if chosen is None else chosen.name,
+            "calibration": None if chosen is None else chosen.calibration,
+            "offers": [one.to_dict() for one in self.offers],
+            "stations": [
+                {
+                    "name": one.name,
+                    "verdict": one.verdict,
+                    "utilisation": one.utilisation,
+                    "test_ratio": one.test_ratio,
+                }
+                for one in self.stations
+            ],
+            "recalibrations": [one.to_dict() for one in self.recalibrations],
+        }
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Decision(Tabled):
+    """What to buy for a requirement, of the devices that were offered."""
+
+    requirement: str
+    mission: str  # '' without one
+    calibrations: tuple[str, ...]
+    purchases: tuple[Purchase, ...]
+    not_compared: tuple[str, ...]  # sensors that are limited, and no device has
+    inputs: tuple[InputFile, ...]
+    settings: Settings
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether there is something to buy of every kind that is needed."""
+        return not self.not_compared and all(one.chosen for one in self.purchases)
+
+    @property
+    def verdict(self) -> str:
+        """The gravest verdict of what is chosen, or of the best there is."""
+        return gravest(one.offers[0].verdict for one in self.purchases)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON document of schema `budget/1`."""
+        return {
+            "schema": SCHEMA,
+            "command": "decide",
+            "requirement": self.requirement,
+            "mission": self.mission,
+            "calibrations": list(self.calibrations),
+            "met": self.is_met,
+            "purchases": [one.to_dict() for one in self.purchases],
+            "not_compared": list(self.not_compared),
+            "inputs": [one.to_dict() for one in self.inputs],
+            "settings": self.settings.to_dict(),
+            "assumptions": list(self.assumptions),
+            "warnings": list(self.warnings),
+        }
+
+
+def decide(
+    devices: Device | File | Sequence[Device | File],
+    requirement: Requirement | File,
+    procedures: Procedure | File | Sequence[Procedure | File] = (),
+    *,
+    mission: Mission | File | None = None,
+    station: Station | File | None = None,
+    age: str | None = None,
+    environment: str | None = None,
+    catalogue: Sequence[Device] | None = None,
+    missing: str = "refuse",
+    method: str = "gum",
+    seed: int = 0,
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Decision:
+    """Say what to buy, after which calibration, on which station.
+
+    Devices are judged as `compare` judges them, after each calibration; where all
+    limits are on a mission, as their makers calibrated them, too. Of these the first
+    is chosen: by the verdict, then what needs no test of one's own, then by the part of
+    the limits that is used. Of what is chosen `qualify` says which station its test
+    may have, and `allocate` when it is to be calibrated again.
+
+    Parameters
+    ----------
+    devices, requirement, mission, station, age, environment, catalogue, missing
+        As of `compare`.
+    procedures : sequence of Procedure
+        Calibrations that are at hand, the one preferred first; the paper's, if none is
+        given.
+    method, seed, workers, progress
+        As of `compare`.
+
+    Returns
+    -------
+    Decision
+
+    Raises
+    ------
+    CallError
+        As of `compare`.
+    """
+    wanted = load_requirement(requirement)
+    journey = None if mission is None else load_mission(mission)
+    given = several(procedures)
+    as_made = {*wanted.kinds} <= {MISSION}
+    tests = (*([FACTORY] if as_made else []), *(given or (None,)))
+    found = [
+        compare(
+            devices,
+            wanted,
+            mission=journey,
+            calibration=test,
+            station=None if test == FACTORY else station,
+            age=age,
+            environment=environment,
+            catalogue=catalogue,
+            missing=missing,
+            method=method,
+            seed=seed,
+            workers=workers,
+            progress=progress,
+        )
+        for test in tests
+    ]
+    purchases = [
+        _further(one, tests, wanted, journey, station, age, environment, seed)
+        for one in _purchases(found)
+    ]
+    first = found[0]
+    return Decision(
+        requirement=wanted.name,
+        mission="" if journey is None else journey.name,
+        calibrations=tuple(name for one in found for name in one.procedures),
+        purchases=tuple(purchases),
+        not_compared=first.not_compared,
+        inputs=tuple(dict.fromkeys(file for one in found for file in one.inputs)),
+        settings=first.settings,
+        assumptions=tuple(dict.fromkeys(t for one in found for t in one.assumptions)),
+        warnings=tuple(dict.fromkeys(t for one in found for t in one.warnings)),
+    )
+
+
+def _purchases(found: Sequence[Comparison]) -> tuple[Purchase, ...]:
+    """Gather what is said of each device after each calibration, best first."""
+    required = tuple(dict.fromkeys(one for each in found for one in each.required))
+    units: dict[tuple[int, int], list[Entrant]] = {}
+    for order, each in enumerate(found):
+        for one in each.entrants:
+            units.setdefault((order, one.place), []).append(one)
+    whole = {
+        key: parts
+        for key, parts in units.items()
+        if {one.sensor for one in parts} == {*required}
+    }
+    if whole:
+        kind = required[0] if len(required) == 1 else "device"
+        return (_purchase(kind, whole.items()),)
+    return tuple(
+        _purchase(
+            sensor,
+            (
+                (key, [one])
+                for key, parts in units.items()
+                for one in parts
+                if one.sensor == sensor
+            ),
+        )
+        for sensor in required
+    )
+
+
+def _purchase(
+    kind: str, units: Iterable[tuple[tuple[int, int], list[Entrant]]]
+) -> Purchase:
+    """Put the parts of every unit together, and rank them."""
+    offers = [
+        Offer(
+            name=parts[0].name,
+            file=parts[0].file,
+            calibration=parts[0].procedure,
+            order=order,
+            parts=tuple(parts),
+            standing=reduce(_beside, (one.standing for one in parts)),
+        )
+        for (order, _), parts in units
+    ]
+    return Purchase(kind=kind, offers=tuple(sorted(offers, key=lambda one: one.place)))
+
+
+def _beside(one: Standing, other: Standing) -> Standing:
+    """Put two parts of a unit together."""
+    return one.beside(other, verdict=gravest((one.verdict, other.verdict)))
