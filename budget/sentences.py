@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment
 
 PAGE = "pages/{}.md.j2"  # the file of a page among the templates
+_PLACE = re.compile(r"\w+")
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
 
 
@@ -90,7 +91,7 @@ def _english(place: str, parts: Mapping[str, object]) -> str:
 
 def _filled(place: str, parts: Mapping[str, object]) -> str:
     """Fill a macro in, in the language of the context."""
-    page, _, macro = place.partition(".")
+    page, macro = _PLACE.findall(place)
     file = PAGE.format(page)
     with telling(file):
         template = _environment(own_templates()).get_template(file)

@@ -20,6 +20,7 @@ from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
 from budget.cli.check import check, schema, validate
 from budget.cli.compare import compare
+from budget.cli.decide import decide
 from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.export import export
@@ -50,7 +51,7 @@ LONGEST_WORD = 4096  # characters of an argument: no path that can be opened is 
 # without touching it, and for pages what draws them; each a tenth more [byte].
 LEAST_SPACE = 480 * 1024**2
 SPACE_OF_PAGES = 800 * 1024**2
-WITH_PAGES = ("report", "compare", "paper")
+WITH_PAGES = ("report", "compare", "decide", "paper")
 GARBAGE = 100_000  # new objects before circles among them are looked for
 DETAILS = "BUDGET_TRACEBACK"  # environment variable: print where a fault arose
 ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}
@@ -118,7 +119,18 @@ app = typer.Typer(
     rich_markup_mode=None,  # plain help starts faster and reads well in any terminal
 )
 for command in (
-    *(analyze, mission, allocate, station, export, report, compare, check, diff),
+    *(
+        analyze,
+        mission,
+        allocate,
+        station,
+        export,
+        report,
+        compare,
+        decide,
+        check,
+        diff,
+    ),
     *(devices, paper, new, validate, schema),
 ):
     # A short help that is given is printed whole; one that is found is cut.

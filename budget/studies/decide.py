@@ -2,35 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
-from budget.errors import CallError
-from budget.inputs import load_device, load_mission, load_requirement
-from budget.inputs.load import several
-from budget.inputs.records import FACTORY, UNCALIBRATED
+from budget.inputs import load_mission, load_procedure, load_requirement
+from budget.inputs.load import UNTESTED, load_devices, several
+from budget.inputs.records import FACTORY
+from budget.model.sources.later import AGEING
 from budget.names import MISSION
-from budget.results import SCHEMA, Tabled
+from budget.results import SCHEMA, VERDICTS, Tabled
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import compare
-from budget.studies.comparison.records import DeviceVerdict
+from budget.studies.comparison.records import NUMBERED, DeviceVerdict
 from budget.studies.stations import qualify
-from budget.studies.verdicts import FAILS, NUMBERED, VERDICTS, gravest
+from budget.studies.verdicts import FAILS, gravest
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
-    from budget.methods.execution import Progress
-    from budget.names import Name
     from budget.results import Condition, InputFile, Settings, Standing
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
-    from budget.studies.stations import Qualification, StationVerdict
+    from budget.studies.progress import Progress
+    from budget.studies.stations import StationVerdict
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +47,11 @@ class Offer:
     def verdict(self) -> str:
         """One of verdicts.VERDICTS, the gravest of its parts."""
         return self.standing.verdict
+
+    @property
+    def is_as_made(self) -> bool:
+        """Whether it is used as its maker calibrated it: no test is needed."""
+        return self.calibration == UNTESTED[FACTORY][0]
 
     @property
     def worst(self) -> DeviceVerdict | None:
@@ -260,29 +264,54 @@ def decide(
     journey = None if mission is None else load_mission(mission)
     given = several(procedures)
     as_made = {*wanted.kinds} <= {MISSION}
-    tests = (*([FACTORY] if as_made else []), *(given or (None,)))
+    at_hand = given if any(given) else (load_procedure(None),)
+    tests = (*([FACTORY] if as_made else []), *at_hand)
+    imus = load_devices(devices, variants=True)
+    use: dict[str, Any] = {"age": age, "environment": environment}
     found = [
         compare(
-            devices,
+            imus,
             wanted,
             mission=journey,
             calibration=test,
-            station=None if test == FACTORY else station,
-            age=age,
-            environment=environment,
+            station=station,
             catalogue=catalogue,
             missing=missing,
             method=method,
             seed=seed,
             workers=workers,
             progress=progress,
+            **use,
         )
         for test in tests
     ]
-    purchases = [
-        _further(one, tests, wanted, journey, station, age, environment, seed)
-        for one in _purchases(found)
-    ]
+
+    def further(one: Purchase) -> Purchase:
+        """Say of what is chosen which station will do, and when it is due."""
+        if one.chosen is None:
+            return one
+        device = imus[one.chosen.parts[0].place]
+        test = tests[one.chosen.order]
+        given: dict[str, Any] = {"requirement": wanted, "calibration": test, **use}
+        judged = () if as_made else qualify(device, **given).stations
+        if not _ages(device):
+            return replace(one, stations=judged)
+        again = allocate(
+            device,
+            mission=journey,
+            station=station,
+            catalogue=catalogue,
+            validate=False,
+            seed=seed,
+            **given,
+        ).recalibrations
+        return replace(
+            one,
+            stations=judged,
+            recalibrations=tuple(each for each in again if each.goal == AS_THEY_ARE),
+        )
+
+    purchases = [further(one) for one in _purchases(found)]
     first = found[0]
     return Decision(
         requirement=wanted.name,
@@ -292,9 +321,26 @@ def decide(
         not_compared=first.not_compared,
         inputs=tuple(dict.fromkeys(file for one in found for file in one.inputs)),
         settings=first.settings,
-        assumptions=tuple(dict.fromkeys(t for one in found for t in one.assumptions)),
-        warnings=tuple(dict.fromkeys(t for one in found for t in one.warnings)),
+        assumptions=_of_chosen((one.assumptions for one in found), imus, purchases),
+        warnings=_of_chosen((one.warnings for one in found), imus, purchases),
     )
+
+
+def _of_chosen(
+    texts: Iterable[Sequence[str]],
+    devices: Sequence[Device],
+    purchases: Sequence[Purchase],
+) -> tuple[str, ...]:
+    """Return each text once, without those of devices that are not bought."""
+    bought = {one.chosen.name for one in purchases if one.chosen}
+    others = tuple(f"{one.name}: " for one in devices if one.name not in bought)
+    every = dict.fromkeys(text for some in texts for text in some)
+    return tuple(text for text in every if not text.startswith(others))
+
+
+def _ages(device: Device) -> bool:
+    """Say whether its sheet says what age does."""
+    return any(one.line(line) for one in device.sensors for line in AGEING.values())
 
 
 def _purchases(found: Sequence[Comparison]) -> tuple[Purchase, ...]:

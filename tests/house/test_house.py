@@ -19,7 +19,7 @@ from sources import nodes_of
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
     ("units", "language", "resources"),
-    ("distributions",),
+    ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
     ("results",),

@@ -67,8 +67,8 @@ class StandIn(Undefined):
         return (self._of(f"[{place}]") for place in range(SIZE))
 
     def __str__(self):
-        """Print its number."""
-        return str(1000 + crc32(self.path.encode()) % 9000)
+        """Print its number, behind a letter: no line begins as a listing does."""
+        return f"n{1000 + crc32(self.path.encode()) % 9000}"
 
     def __html__(self):
         """Print its number."""
@@ -100,7 +100,7 @@ class StandIn(Undefined):
 
     def __float__(self):
         """Return its number."""
-        return float(str(self))
+        return float(str(self)[1:])
 
     def _with(self, *_):
         return self._of("~")

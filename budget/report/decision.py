@@ -1,0 +1,76 @@
+"""What to buy for people and programs: the choice, its calibration, station, asks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from budget.report.blocks import Document
+from budget.report.document import csv_text, json_text
+from budget.report.pages import document, sections
+from budget.report.provenance import provenance_section
+from budget.report.tables import DASH
+from budget.report.wording import standing_lines
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from budget.report.blocks import Section
+    from budget.studies.decide import Decision
+
+MOST_SHOWN = 8  # devices of a table: those after them are counted
+COMMAND = "budget decide"
+COLUMNS = (
+    *("kind", "name", "file", "calibration", "verdict", "utilisation", "lower_bound"),
+    *("worst_outputs", "limiting_source", "price", "mass", "power"),
+)
+
+
+def decision_answer(found: Decision) -> tuple[Section, ...]:
+    """Return what stands on a terminal."""
+    return sections("decision", **_view(found))
+
+
+def decision_document(
+    found: Decision, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put a decision into one document, the answer first."""
+    page = document("decision_page", **_view(found))
+    return Document(
+        kind="decision",
+        title=page.title,
+        facts=page.facts,
+        headline=page.headline,
+        summary=page.summary,
+        cards=page.cards,
+        sections=(
+            *page.sections,
+            provenance_section(
+                found.inputs,
+                found.settings,
+                version=__version__,
+                command_line=command_line,
+            ),
+        ),
+        json=json_text(found.to_dict()),
+        date=date,
+        version=__version__,
+    )
+
+
+def decision_csv(found: Decision) -> str:
+    """Write one row for each device after each calibration."""
+    rows = (
+        {"kind": purchase.kind} | one.to_dict()
+        for purchase in found.purchases
+        for one in purchase.offers
+    )
+    return csv_text(COLUMNS, ({key: row[key] for key in COLUMNS} for row in rows))
+
+
+def _view(found: Decision) -> dict[str, object]:
+    """Return what the page is filled in with."""
+    return {
+        "found": found,
+        "MOST": MOST_SHOWN,
+        "DASH": DASH,
+        "lines": standing_lines,
+    }

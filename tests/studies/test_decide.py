@@ -1,0 +1,137 @@
+"""What to buy: the choice of compare, with the station and the age of their studies."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from command_line import call
+from saying import assert_says
+
+from budget.inputs import load_device, load_procedure
+from budget.studies.allocation.allocate import allocate
+from budget.studies.comparison.compare import compare
+from budget.studies.decide import decide
+from budget.studies.stations import qualify
+
+NEED = {
+    "name": "need",
+    "environment": "none",
+    "age": "0 s",
+    "coverage": "95 %",
+    "reference": "next_turn_on",
+    "limits": {"mission": {"position": [{"horizontal": "3 km", "at": "60 s"}]}},
+}
+EDGE = "catalogue-edge"
+DEVICES = ("hg4930#A", "hg4930#C", "stim300#5g", "primus-200")
+
+
+@pytest.fixture(scope="module")
+def at_the_edge():
+    """Return the decision among four units, of which one meets."""
+    return decide(DEVICES, EDGE)
+
+
+def test_the_choice_is_what_compare_ranks_first(at_the_edge):
+    """A device has the gravest verdict and the largest utilisation of its parts."""
+    found = compare(DEVICES, EDGE, method="gum")
+    (purchase,) = at_the_edge.purchases
+
+    assert purchase.chosen.name == found.ranked_imus[0][0].gyro == "HG4930 (C)"
+    assert {one.name: one.verdict for one in purchase.best} == {
+        pair.gyro: pair.verdict for pair, _ in found.ranked_imus
+    }
+    assert purchase.chosen.utilisation == found.ranked_imus[0][0].utilisation
+    assert at_the_edge.is_met
+
+
+def test_what_cannot_be_judged_is_asked_for_and_never_bought(at_the_edge):
+    """A unit that hides its repeatability stands behind one that fails for nobody."""
+    (purchase,) = at_the_edge.purchases
+    asked = {one.name: ask for one, ask in purchase.open}
+
+    assert asked["Primus 200"].decides
+    assert asked["Primus 200"].line.quantity == "bias_repeatability"
+    assert {one.name for one in purchase.meeting} == {"HG4930 (C)"}
+    assert {one.name for one in purchase.failing} == {"HG4930 (A)"}
+
+
+def test_the_station_is_that_of_the_study_of_stations(at_the_edge):
+    """Verdicts and ratios are those of `qualify` for the unit that is bought."""
+    own = qualify(load_device("hg4930#C"), requirement=EDGE).stations
+    (purchase,) = at_the_edge.purchases
+
+    assert [(one.name, one.verdict, one.test_ratio) for one in purchase.stations] == [
+        (one.name, one.verdict, one.test_ratio) for one in own
+    ]
+
+
+def test_a_unit_needs_no_test_where_its_maker_s_calibration_meets():
+    """Both are told; the maker's goes first though a test may leave less."""
+    found = decide(["hg4930#C"], NEED, mission="outage-60-s")
+    (purchase,) = found.purchases
+
+    assert [one.is_as_made for one in purchase.of_chosen] == [True, False]
+    assert [one.verdict for one in purchase.of_chosen] == ["meets", "meets"]
+    assert purchase.stations == ()
+
+
+def test_a_test_is_chosen_where_the_maker_s_calibration_does_not_meet():
+    """The verdict goes before the effort."""
+    both = decide(["stim300#5g"], NEED, mission="outage-60-s").purchases[0].of_chosen
+    least = min(one.utilisation for one in both)
+    limit = 3000.0 * sum(one.utilisation for one in both) / 2.0
+    need = NEED | {
+        "limits": {
+            "mission": {"position": [{"horizontal": f"{limit} m", "at": "60 s"}]}
+        }
+    }
+    chosen = decide(["stim300#5g"], need, mission="outage-60-s").purchases[0].offers[0]
+
+    assert chosen.utilisation == pytest.approx(least * 3000.0 / limit, rel=1e-9, abs=0)
+
+
+def test_the_age_is_that_of_the_allocation():
+    """When it is due is what `allocate` says of the lines as they are."""
+    device = load_device("hg4930#C").replace(
+        {"gyro.ageing": "4 deg/h/year", "accelerometer.ageing": "1 mg/year"}
+    )
+    (purchase,) = decide([device], EDGE).purchases
+    own = allocate(device, requirement=EDGE, validate=False).recalibrations
+
+    assert purchase.recalibrations == tuple(
+        one for one in own if one.goal == "devices as they are"
+    )
+
+
+def test_triads_are_bought_apart_where_no_unit_has_both():
+    """One choice a sensor; the headline of each is its own."""
+    found = decide(["adxrs453", "adxl357"], EDGE)
+
+    assert [one.kind for one in found.purchases] == ["gyro", "accelerometer"]
+
+
+def test_the_same_calibration_is_named_as_it_is():
+    """A procedure that is at hand takes the place of the paper's."""
+    found = decide(["hg4930#C"], EDGE, ["twenty-four-positions", "zhao-2019"])
+
+    assert found.calibrations == (
+        load_procedure("twenty-four-positions").name,
+        load_procedure("zhao-2019").name,
+    )
+
+
+def test_the_command_answers_and_writes_its_page(tmp_path):
+    """Terminal, page and document say the same; the exit code is the verdict's."""
+    page = tmp_path / "d.html"
+    need = "specs/requirements/catalogue-edge.yaml"
+    found = call(
+        "decide", need, *DEVICES, "-o", str(page), "--json", str(tmp_path / "d")
+    )
+    document = json.loads((tmp_path / "d").read_text("utf-8"))
+
+    assert found.code == 0
+    assert_says(found.out, "BUY HG4930 (C)", "95.3", "good three-axis table")
+    assert "HG4930 (C)" in page.read_text("utf-8")
+    assert document["purchases"][0]["chosen"] == "HG4930 (C)"
+    assert call("decide", need, "stim300#5g").code == 1
