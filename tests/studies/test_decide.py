@@ -94,7 +94,10 @@ def test_a_test_is_chosen_where_the_maker_s_calibration_does_not_meet():
 def test_the_age_is_that_of_the_allocation():
     """When it is due is what `allocate` says of the lines as they are."""
     device = load_device("hg4930#C").replace(
-        {"gyro.ageing": "4 deg/h/year", "accelerometer.ageing": "1 mg/year"}
+        {
+            "gyro.ageing": {"value": "4 deg/h", "horizon": "1 year"},
+            "accelerometer.ageing": {"value": "1 mg", "horizon": "1 year"},
+        }
     )
     (purchase,) = decide([device], EDGE).purchases
     own = allocate(device, requirement=EDGE, validate=False).recalibrations
