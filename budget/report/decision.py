@@ -8,7 +8,7 @@ from budget.report.blocks import Document
 from budget.report.document import csv_text, json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
-from budget.report.tables import DASH
+from budget.report.tables import AT_LEAST, DASH
 from budget.report.wording import standing_lines
 from budget.version import __version__
 
@@ -72,5 +72,6 @@ def _view(found: Decision) -> dict[str, object]:
         "found": found,
         "MOST": MOST_SHOWN,
         "DASH": DASH,
+        "AT_LEAST": AT_LEAST,
         "lines": standing_lines,
     }
