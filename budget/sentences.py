@@ -122,14 +122,14 @@ def _plain(value: object) -> Markup:
     return Markup(say(value) if isinstance(value, Note) else str(value))  # noqa: S704 - text, no HTML
 
 
-def _said(message: str, **parts: object) -> Markup:
+def _said(message: str, /, **parts: object) -> Markup:
     """Say a sentence of a template in the language spoken."""
     found = {key: str(_plain(value)).strip() for key, value in parts.items()}
     said = template(message_key(message))
     return Markup(re.sub(r"\{(\w+)\}", lambda one: found[one[1]], said))  # noqa: S704 - text, no HTML
 
 
-def _counted(one: str, many: str, number: int, **parts: object) -> Markup:
+def _counted(one: str, many: str, number: int, /, **parts: object) -> Markup:
     """Say the sentence for one thing, or that for another number of them."""
     return _said(one if number == 1 else many, **parts)
 

@@ -13,12 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.errors import CallError
-from budget.language import ENGLISH, say, speaking
+from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import Name
 from budget.report.allocation.document import allocation_csv
 from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
+from budget.report.blocks import Cell
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.export import export_csv, write_export
 from budget.report.figures.contributions import (
@@ -37,9 +38,10 @@ from budget.report.figures.rows import draw
 from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
 from budget.report.figures.timeline import schedule_chart
 from budget.report.files import check_targets, write_all
+from budget.report.pages import blocks, line
 from budget.report.rendering import check_suffixes, document_date, render_pages
 from budget.report.stations import station_csv
-from budget.report.tables import AT_LEAST, Number, group_tables, print_coverage
+from budget.report.tables import AT_LEAST, group_tables
 from budget.results import COLUMNS, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -106,7 +108,7 @@ def budget_html(budget: Budget) -> str:
     """
     heads, *rows = _texts(budget, widest=True)
     said = [] if budget.assessment is None else [headline(budget, budget.assessment)]
-    said += [say("Warning: {text}", text=text) for text in budget.warnings]
+    said += [line("notebook", "warning", text=text) for text in budget.warnings]
     return (
         f"<table><caption>{escape(budget.title)}, {escape(budget.settings.reference)}"
         "</caption><thead><tr>"
@@ -121,26 +123,23 @@ def budget_html(budget: Budget) -> str:
     )
 
 
-def _lines(
-    budget: Budget, *, widest: bool = False
-) -> Iterator[tuple[str | Number, ...]]:
-    """Yield the heads of a budget table, then its rows, rounded as on every page."""
-    coverage = print_coverage(budget.settings.coverage)
-    yield (
-        *(say("parameter"), say("axis"), say("mean"), say("u")),
-        *(say("U ({coverage} %)", coverage=coverage), say("unit")),
-        say("contributions"),
-    )
-    for group in group_tables(budget):
-        for row in [group.widest] if widest else group.rows:
-            numbers = (row.mean, row.u, row.expanded)
-            yield (group.title, row.axis, *numbers, group.unit, group.contributions)
+def _lines(budget: Budget, *, widest: bool = False) -> list[tuple[Cell, ...]]:
+    """Return the heads of a budget table, then its rows, rounded as on every page."""
+    table: Any = blocks(
+        "notebook",
+        "outputs",
+        groups=group_tables(budget),
+        coverage=budget.settings.coverage,
+        widest=widest,
+    )[0]
+    heads = tuple(Cell(text=column.head) for column in table.columns)
+    return [heads, *(row for group in table.groups for row in group.rows)]
 
 
-def _texts(budget: Budget, *, widest: bool = False) -> Iterator[tuple[str, ...]]:
-    """Yield the same as texts."""
-    for line in _lines(budget, widest=widest):
-        yield tuple(cell.text if isinstance(cell, Number) else cell for cell in line)
+def _texts(budget: Budget, *, widest: bool = False) -> list[tuple[str, ...]]:
+    """Return the same as texts."""
+    rows = _lines(budget, widest=widest)
+    return [tuple(cell.text for cell in row) for row in rows]
 
 
 def budget_markdown(budget: Budget) -> str:
@@ -228,9 +227,9 @@ def write_xlsx(budget: Budget, file: str | Path) -> Path:
         widths: dict[int, int] = {}
         for i, row in enumerate(rows):
             for j, cell in enumerate(row):
-                shown = cell.text if isinstance(cell, Number) else str(cell)
+                shown = cell.text if isinstance(cell, Cell) else str(cell)
                 widths[j] = max(widths.get(j, 0), min(len(shown), WIDEST))
-                if isinstance(cell, Number):
+                if isinstance(cell, Cell) and cell.exact is not None:
                     look = book.add_format({"num_format": _shown_as(cell.text)})
                     sheet.write_number(i, j, cell.exact, look)
                 elif isinstance(cell, float):

@@ -475,7 +475,7 @@ def messages(source: str) -> set[str]:
     return {message_key(text) for text in texts if text}
 
 
-def _said(message: str, **parts: object) -> Marked:
+def _said(message: str, /, **parts: object) -> Marked:
     """Say a sentence of a template in the language spoken; its parts are values.
 
     What a template has made of them has no blanks around it.
@@ -489,7 +489,7 @@ def _part(value: object) -> str:
     return marked(value).strip() if isinstance(value, Markup) else marked(value)
 
 
-def _counted(one: str, many: str, number: int, **parts: object) -> Marked:
+def _counted(one: str, many: str, number: int, /, **parts: object) -> Marked:
     """Say the sentence for one thing, or that for another number of them."""
     return _said(one if number == 1 else many, **parts)
 

@@ -10,10 +10,8 @@ from math import floor, log10, nan
 from typing import TYPE_CHECKING
 
 from budget.distributions import NORMAL
-from budget.language import say, term
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
-from budget.report.allocation.words import CEILING
 from budget.report.document import csv_text
 from budget.report.pages import sections
 from budget.report.tables import DASH, DIGITS, Number, print_given, print_three
@@ -30,7 +28,6 @@ if TYPE_CHECKING:
 
 ANY = "any"
 PER_CENT = 100.0
-NONE = term("none")
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 COLUMNS = (
     *("owner", "source", "unit", "any", "alone", "alone_stopped_by", "together"),
@@ -60,7 +57,6 @@ def station_answer(found: Qualification) -> tuple[Section, ...]:
         DOES=DOES,
         NO_FIGURES=NO_FIGURES,
         DASH=DASH,
-        CEILING=CEILING,
         DIGITS=DIGITS,
     )
 
@@ -74,7 +70,7 @@ def station_csv(found: Qualification) -> str:
     """Write one row for each source, values in its unit."""
     rows = (
         {
-            key: say(", ").join(value) if isinstance(value, list) else value
+            key: ", ".join(value) if isinstance(value, list) else value
             for key, value in one.to_dict().items()
         }
         for one in found.figures
@@ -127,8 +123,8 @@ class Accepted:
     unit: str
     limit: float
     expanded: Number  # U
-    accept: Number
-    by_station: Number  # were its U all
+    accept: Number | None  # None where no value would be
+    by_station: Number | None  # were its U all
     test_ratio: float | None
     risk: Number  # of a false accept [%]
     too_often: bool
@@ -148,9 +144,9 @@ def _acceptance(row: StationOutput) -> Accepted:
     scale = row.output.si_per_unit
     u = row.whole / scale
 
-    def up_to(value: float | None) -> Number:
+    def up_to(value: float | None) -> Number | None:
         if value is None:
-            return Number(text=NONE, exact=nan)
+            return None
         return Number(text=print_down(value / scale, u), exact=value / scale)
 
     risk = nan if row.false_accept is None else PER_CENT * row.false_accept
@@ -172,7 +168,7 @@ def _acceptance(row: StationOutput) -> Accepted:
 def _printed(row: Accepted) -> tuple[object, ...]:
     """Return what alike outputs have in common: all that is printed."""
     numbers = (row.expanded, row.accept, row.by_station, row.risk)
-    return (row.group, row.limit, *(one.text for one in numbers))
+    return (row.group, row.limit, *(one and one.text for one in numbers))
 
 
 def _too_often(station: StationVerdict) -> list[Name]:

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import OutputError
-from budget.language import say, speaking
+from budget.language import speaking
 from budget.report.blocks import (
     Abreast,
     Equations,
@@ -33,6 +33,7 @@ from budget.report.blocks import (
     drawn,
 )
 from budget.report.fonts import choose_fonts, name_character, place_fonts, text_width
+from budget.report.pages import line
 from budget.report.tables import align_decimals
 from budget.resources import own_pictures, template_file
 
@@ -70,6 +71,7 @@ EXPONENT = 0.6  # size of exponents over that of the table [1]
 MINUS, BOUND, NARROW = "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}", "\u202f"
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
 BREAK = "\N{ZERO WIDTH SPACE}"  # a line may end here
+SAID = "typeset"  # the page of what is said around a document
 
 # As `tables` prints: '<0.1', '-2.3e-9', '230 000', '79 %'.
 NUMBER = re.compile(
@@ -137,10 +139,8 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
     return {
         "language": document.language,
         "said": {
-            "numbers": say("As numbers: page"),
-            "page": re.split(r"{\w+}", say("page {page} of {pages}")),
-            "contents": say("Contents"),
-            "figures": say("The figures as numbers"),
+            "page": line(SAID, "page", page=BREAK, pages=BREAK).split(BREAK),
+            **{key: line(SAID, key) for key in ("numbers", "contents", "figures")},
         },
         "title": document.title,
         "heading": break_long(document.title),

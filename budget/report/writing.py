@@ -92,6 +92,13 @@ def share_bar(share: float) -> Marked:
     return bar(exact(text, share), float(share))
 
 
+def print_part(part: float) -> str:
+    """Print a part of a squared limit in per cent, 0 plainly."""
+    if part < 0.5e-3:  # noqa: PLR2004
+        return "0" if part <= 1e-12 else "<0.1"  # noqa: PLR2004 - rounding
+    return f"{100.0 * part:.{1 if part < 0.1 else 0}f}"  # noqa: PLR2004
+
+
 def shown(text: str) -> str:
     """Return a value as it was."""
     return text.translate(_SHOWN)
@@ -143,6 +150,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "time": time_text,
     "two": round_uncertainty,
     "share": print_share,
+    "of_square": print_part,
     "share_bar": share_bar,
     "semicolons": _semicolons,
     "each": _each,

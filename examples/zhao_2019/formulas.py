@@ -15,8 +15,8 @@ import numpy as np
 
 from budget.calibration.schemes import scheme_of
 from budget.earth import ROTATION_RATE
-from budget.language import note
 from budget.names import ANGLES, AXES
+from budget.sentences import sentence
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
 from zhao_2019.printed import Finding, Verdict
 
@@ -126,7 +126,7 @@ def formula_findings(conditions: Conditions) -> tuple[Finding, ...]:
         verdict = Verdict.AGREES if formula.is_right else Verdict.UNEXPLAINED
         if formula.is_right and formula.is_misprint:
             verdict = Verdict.MISPRINT if given.is_slip else Verdict.EXPLAINED
-            remark = note("; {cause}", cause=note(given.note))
+            remark = sentence("paper_words.cause", text=given.note)
         findings.append(
             conditions.paper.tell(
                 "formula",

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.earth import ROTATION_RATE
-from budget.language import in_a_row, note, term
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.names import PARAMETERS, Name
+from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY
 from zhao_2019.conditions import (
     HALF_ULP,
@@ -71,10 +71,7 @@ def order_findings(
             fitting = [r.where for r in of_noise if r.verdict == Verdict.READING_FITS]
             names = dict.fromkeys(where.partition(": ")[2] for where in fitting)
             if names:
-                cause = note(
-                    "all three orders come out if read so: {names}",
-                    names=in_a_row(map(note, names), by=term("{before}; or {text}")),
-                )
+                cause = sentence("paper_words.all_orders", names=tuple(names))
         elif printed.source:
             other = best_reading(readings, printed.name)
         for parameter in printed.errors:
@@ -85,10 +82,8 @@ def order_findings(
                     PLACES[parameter],
                     runs=other.runs,
                 )
-                cause = note(
-                    "{p} if read so: {reading}",
-                    p=say_number(p),
-                    reading=other.full_name,
+                cause = sentence(
+                    "paper_words.order", reading=other.full_name, p=say_number(p)
                 )
             found.append(_judge(conditions, printed, parameter, expected, cause=cause))
             if (printed.name, parameter) == (STABILITY, "scale_factor"):
@@ -181,8 +176,8 @@ def _judge(
         orders=printed,
         parameter=parameter,
         zero=zero,
-        note=note("{remark}; ", remark=note(printed.note)) if printed.note else "",
-        cause=note("; {cause}", cause=cause) if cause else "",
+        note=sentence("paper_words.remark", text=printed.note) if printed.note else "",
+        cause=sentence("paper_words.cause", text=cause) if cause else "",
     )
 
 
@@ -195,7 +190,7 @@ def _bound(conditions: Conditions) -> Finding:
     as_order = power_of_ten(float(largest)) == power_of_ten(float(paper.bound))
     return paper.tell(
         "bound of the text",
-        ours=note("{largest} in Table 1", largest=largest),
+        ours=sentence("paper_words.largest", text=largest),
         ratio=beyond,
         verdict=Verdict.EXPLAINED if as_order else Verdict.UNEXPLAINED,
         bound=paper.bound,

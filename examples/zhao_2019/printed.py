@@ -81,6 +81,11 @@ class Finding:
     p_mean: float | None = None
     is_summary: bool = False  # whether the row speaks of several entries together
 
+    @property
+    def group(self) -> str:
+        """The group of rows of a table that it is in."""
+        return self.place[0]
+
 
 def _check_digits(text: str) -> str:
     """Refuse a text that is no number."""

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import chdtr, chdtrc, erfc, ndtr
 
-from budget.language import note
 from budget.model.sources import GYRO
 from budget.names import Name
 from budget.problem import Group
+from budget.sentences import sentence
 from budget.units import DEG_PER_HOUR
 from zhao_2019.conditions import (
     PLACES,
@@ -139,10 +139,9 @@ class Reading:
     @property
     def full_name(self) -> str:
         """With what the entries are taken for."""
-        name = note(self.name)
         if self.runs == 1:
-            return note("{name}, single run", name=name)
-        return note("{name}, mean over {runs} runs", name=name, runs=self.runs)
+            return sentence("paper_words.single_run", name=self.name)
+        return sentence("paper_words.mean", name=self.name, runs=self.runs)
 
     @property
     def quantity(self) -> str:

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.language import in_a_row, note, term
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
 from budget.results import SCHEMA, inputs_document
+from budget.sentences import sentence
 from budget.studies.coupling import CouplingTable, coupling
 from budget.units import ARCSEC, DEG_PER_HOUR
 from zhao_2019.conditions import PLACES, load_conditions, only_sources
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from zhao_2019.orders import Sweep
     from zhao_2019.printed import Conclusion, Paper
 
-YES, NO = term("affects"), term("no effect")
+YES, NO = "affects", "no effect"
 COLUMNS = (  # of a finding, in documents
     *("section", "where", "printed", "ours", "quantity", "ratio", "verdict"),
     *("p_single", "p_mean", "why"),
@@ -133,20 +133,23 @@ class Couplings:
     # [(deg/h)/arcsec].
     sensitivity: tuple[Array, ...]
 
-    def answers(self, source: Name, group: Name) -> dict[str, str]:
-        """Return whether the source affects the group by each method and formula."""
-        return {
-            note("{method}, {formula}", method=note(method), formula=note(formula)): (
-                YES if table.cell(source, group).reaches else NO
+    def answers(self, source: Name, group: Name) -> tuple[tuple[str, bool, str], ...]:
+        """Return by each method and formula whether the source affects the group.
+
+        Method, whether the formula is that which is printed, and the answer.
+        """
+        return tuple(
+            (
+                method,
+                table is tables[0],
+                YES if table.cell(source, group).reaches else NO,
             )
             for method, tables in (
-                (term("law"), self.by_law),
-                (term("simulation"), self.by_simulation),
+                ("law", self.by_law),
+                ("simulation", self.by_simulation),
             )
-            for formula, table in zip(
-                (term("eq. (4) as printed"), term("corrected")), tables, strict=True
-            )
-        }
+            for table in tables
+        )
 
 
 def compute_couplings(conditions: Conditions) -> Couplings:
@@ -194,24 +197,18 @@ def _finding(
     """Hold one claim against four answers."""
     source, group = said.name, Name(parameter, owner=said.sensor)
     answers = couplings.answers(source, group)
-    given = set(answers.values())
-    by_printed = {name: claim if "printed" in name else NO for name in answers}
+    given = {answer for _, _, answer in answers}
+    by_printed = all(answer == (claim if one else NO) for _, one, answer in answers)
     verdict, case = Verdict.UNEXPLAINED, "unexplained"
-    ours = in_a_row(
-        (
-            note("{name}: {answer}", name=name, answer=note(answer))
-            for name, answer in answers.items()
-        ),
-        by=term("{before}; {text}"),
-    )
+    ours: str = sentence("paper_words.answers", found=answers)
     if given == {claim}:
         verdict, ours = Verdict.AGREES, claim
         case = "affects" if claim == YES else "agrees"
-    elif (source, parameter) == (MOUNTING, "bias") and answers == by_printed:
-        verdict, ours = Verdict.EXPLAINED, note("only by eq. (4) as printed")
+    elif (source, parameter) == (MOUNTING, "bias") and by_printed:
+        verdict, ours = Verdict.EXPLAINED, sentence("paper_words.as_printed")
         case = "only eq. (4)"
     elif given == {YES} and not couplings.as_tested.cell(source, group).reaches:
-        verdict, ours = Verdict.EXPLAINED, note("affects (from nominal)")
+        verdict, ours = Verdict.EXPLAINED, sentence("paper_words.from_nominal")
         case = "as tested"
     printed, corrected = couplings.sensitivity
     largest = zip(AXES, np.abs(printed).max(axis=1), strict=True)

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note, term
 from budget.methods.execution import BLOCK, draw
 from budget.methods.gum import propagate
 from budget.model.sources import GYRO
 from budget.names import ANGLES, AXES, PARAMETERS, Name
+from budget.sentences import sentence
 from zhao_2019.conditions import (
     HALF_ULP,
     PLACES,
@@ -111,7 +111,7 @@ def reading_findings(
                     p=(found.p, None) if is_single else (None, found.p),
                     reading=reading,
                     parameter=parameter,
-                    about=term(" about -1") if shifted else "",
+                    about=sentence("paper_words.about") if shifted else "",
                     fit=found,
                     whole=reading.fit(),
                 )
@@ -163,13 +163,10 @@ def _random_entries(
         p = other.fit(parameter).p
         verdict = Verdict.READING
         parts = {"reading": other.full_name, "p": say_number(p, 2)}
-        cause = note("; fits if read so: {reading} (p {p})", **parts)
+        cause = sentence("paper_words.fits", **parts)
         if row.source == MOUNTING:  # see _mounting_findings
             verdict = Verdict.EXPLAINED
-            cause = note(
-                "; fits if read so: {reading} (p {p}); its biases prove it, see below",
-                **parts,
-            )
+            cause = sentence("paper_words.proven", **parts)
     u, u_rms = chosen.u[place], chosen.fit(parameter).u_rms
     rms = root_mean_square(row.printed[place])
     summary = paper.tell(

@@ -2,18 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say
-from budget.report.allocation.words import (
-    IDLE,
-    NONE,
-    part_title,
-    print_headroom,
-    print_part,
-    print_used,
-    print_value,
-)
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -25,8 +16,9 @@ from budget.report.figures.rows import (
     Side,
 )
 from budget.report.figures.style import GRID, INK, MUTED, PAPER, look_of
-from budget.report.tables import DIGITS, print_given, source_title
-from budget.report.wording import capital
+from budget.report.pages import line
+from budget.report.tables import source_title
+from budget.report.writing import print_part
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest
 
@@ -44,6 +36,7 @@ PITCH = 17.0  # from row to row [pt]
 LEAST_FACTOR, MOST_FACTOR = 1e-2, 1e2  # of a headroom that is drawn [1]
 THIN, BELOW = 3.4, 6.8  # height of a bar of what is now, and how far down it is [pt]
 SHOWN = 1e-3  # part of the squared limit from which a source has a row [1]
+said = partial(line, "figures_allocation")
 
 
 def waterfall_chart(row: LimitedOutput) -> Chart:
@@ -53,7 +46,7 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     ones what the sources take now; those leave the figure where the limit is passed.
     """
     left, left_now = 1.0, 1.0
-    rows = [Row(label=say("limit"), marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
+    rows = [Row(label=said("limit"), marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
     for part in row.parts:
         if max(part.now, part.after) < SHOWN:
             continue
@@ -64,57 +57,25 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
         marks.append(Bar(start=0.0, end=100.0 * left, colour=GRID))
     if left_now > 0.0:
         marks.append(Bar(start=0.0, end=100.0 * left_now, height=THIN, lift=BELOW))
-    beside = tuple(
-        say(NONE) if value < -SHOWN else print_part(max(value, 0.0))
-        for value in (left_now, left)
-    )
-    rows.append(Row(label=say("left"), marks=tuple(marks), beside=beside))
+    beside = tuple(said("rest", part=one, least=SHOWN) for one in (left_now, left))
+    rows.append(Row(label=said("left"), marks=tuple(marks), beside=beside))
     scale = Scale(
         low=0.0,
         high=100.0,
         ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label=say("part of the squared limit [%]"),
+        label=said("waterfall_axis"),
     )
-    word, used = after_word(row), print_used(row, now=True)
+    most = row.parts[first_largest([part.after for part in row.parts])]
     return Chart(
         name=f"waterfall-{row.output.name}",
-        title=_waterfall_title(row),
+        title=said("waterfall_title", row=row, most=most),
         sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),),
-        lead=say(
-            "Parts of the squared limit {printed_limit}: ",
-            printed_limit=row.printed_limit,
-        ),
-        after=say(" The largest error is now {used} of the limit.", used=used),
-        caption=(
-            say(
-                "From the squared limit down: thick bars are what is "
-                "{word}, thin ones what each source takes now.",
-                word=word,
-            )
-        ),
-        beside=(say("now"), word),
+        lead=said("waterfall_lead", row=row),
+        after=said("waterfall_after", row=row),
+        caption=said("waterfall_caption", row=row),
+        beside=(said("now"), said("then", row=row)),
         pitch=PITCH,
     )
-
-
-def after_word(row: LimitedOutput) -> str:
-    """Say what stands beside 'now': what is allowed, or all that is held."""
-    return say("held") if row.allowed is None else say("allowed")
-
-
-def _waterfall_title(row: LimitedOutput) -> str:
-    """State the finding: who takes most of the limit."""
-    name = key_title(row.output.name)
-    largest = row.parts[first_largest([part.after for part in row.parts])]
-    title = part_title(largest.source, row.sensor)
-    part = say("{title} takes {after} %", title=title, after=print_part(largest.after))
-    if row.allowed is None:
-        return say(
-            "{name} cannot be met: {part} of the squared limit",
-            name=capital(name),
-            part=part,
-        )
-    return say("{part} of the squared {name} limit", part=capital(part), name=name)
 
 
 def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float) -> Row:
@@ -123,28 +84,14 @@ def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float)
     An arrow shows where what it takes now passes the limit.
     """
     colour, hatch, _ = look_of(part.source)
-    after, title = part.after, part_title(part.source, row.sensor)
-    now, then = print_part(part.now), print_part(after)
-    said = say(
-        "{title} now {now} %, {after_word} {then} %",
-        title=title,
-        now=now,
-        after_word=after_word(row),
-        then=then,
-    )
     marks: list[Mark] = [
         Bar(
-            start=100.0 * (left - after),
+            start=100.0 * (left - part.after),
             end=100.0 * left,
             colour=colour,
             hatch=hatch,
             edge_width=0.4,
-            tip=say(
-                "{said} of the squared {name} limit {printed_limit}",
-                said=said,
-                name=key_title(row.output.name),
-                printed_limit=row.printed_limit,
-            ),
+            tip=said("part_tip", row=row, part=part),
         )
     ]
     start, end = 100.0 * min(left_now, 1.0), 100.0 * (left_now - part.now)
@@ -154,7 +101,12 @@ def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float)
         marks.append(
             Dot(at=0.0, shape="<", fill=MUTED, edge=MUTED, size=4.0, lift=BELOW)
         )
-    return Row(label=title, marks=tuple(marks), beside=(now, then), said=said)
+    return Row(
+        label=said("part_title", row=row, part=part),
+        marks=tuple(marks),
+        beside=(print_part(part.now), print_part(part.after)),
+        said=said("part_said", row=row, part=part),
+    )
 
 
 def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
@@ -165,89 +117,45 @@ def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
     shown = [row for row in rows if row.headroom is not None]
     if not shown:
         return None
-    names = say(", ").join(source_title(row.source) for row in rows if row.is_idle)
-    idle = (
-        say(" Not drawn, as it {idle}: {names}.", idle=say(IDLE), names=names)
-        if names
-        else ""
-    )
+    idle = [row for row in rows if row.is_idle]
+    growing = [row for row in shown if _factor(row) > 1.0]
+    most = growing[first_largest([*map(_factor, growing)])] if growing else None
     scale = Scale(
         low=LEAST_FACTOR,
         high=MOST_FACTOR,
         kind="log",
         ticks=(
-            *((0.01, "1/100"), (0.1, "1/10"), (1.0, say("now"))),
+            *((0.01, "1/100"), (0.1, "1/10"), (1.0, said("now"))),
             *((10.0, "10"), (100.0, "100")),
         ),
         lines=((1.0, ""),),
-        label=say("value over the present one; diamond: allowed"),
+        label=said("headroom_axis"),
     )
     group = Group(rows=tuple(map(_headroom_row, shown)))
+    sensor = shown[0].source.owner
     return Chart(
-        name=f"headroom-{shown[0].source.owner}",
-        title=_headroom_title(shown, has_idle=bool(idle)),
-        sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
-        lead=say("Each line alone, the others as now: "),
-        after=idle,
-        caption=(
-            say(
-                "Each line alone, the others as they are now; named is the "
-                "limit that stops it. To the left: it must become better "
-                "by that much.{idle}",
-                idle=idle,
-            )
+        name=f"headroom-{sensor}",
+        title=said(
+            "headroom_title",
+            sensor=sensor,
+            drawn=shown,
+            growing=growing,
+            most=most,
+            idle=idle,
         ),
+        sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
+        lead=said("headroom_lead"),
+        after=said("headroom_after", rows=idle),
+        caption=said("headroom_caption", idle=idle),
         flush="left",
         pitch=PITCH,
-    )
-
-
-def _headroom_title(shown: Sequence[SourceAllotment], *, has_idle: bool) -> str:
-    """State the finding: how many lines may grow alone, and which most."""
-    growing = [row for row in shown if _factor(row) > 1.0]
-    sensor = shown[0].source.owner
-    if not growing:
-        return say("No {sensor} line alone may grow", sensor=say(sensor))
-    most = growing[first_largest([_factor(row) for row in growing])]
-    that_count = say(" that count") if has_idle else ""
-    return say(
-        "{growing} of {shown} {sensor} lines{that_count} may grow "
-        "alone, {source} {factor} times",
-        growing=len(growing),
-        shown=len(shown),
-        sensor=say(sensor),
-        that_count=that_count,
-        source=source_title(most.source),
-        factor=print_given(_factor(most), digits=DIGITS),
     )
 
 
 def _headroom_row(row: SourceAllotment) -> Row:
     """Return how far one line may go, where it is allowed to be, and what stops it."""
     colour, hatch, _ = look_of(row.source)
-    factor, title = _factor(row), source_title(row.source)
-    up_to, stop = print_headroom(row)
-    stopped_by = (
-        say("{none}: {stop}", none=up_to, stop=stop) if up_to == say(NONE) else stop
-    )
-    now = print_value(row.now / row.si_per_unit, row.unit)
-    if row.headroom is not None and row.headroom.value:
-        times = print_given(factor, digits=DIGITS)
-        said = say(
-            "{title} {times} times, stopped by {stopped_by}",
-            title=title,
-            times=times,
-            stopped_by=stopped_by,
-        )
-        value = print_value(row.headroom.value / row.si_per_unit, row.unit)
-        alone = say(
-            "alone up to {value}, then stopped by {stopped_by}",
-            value=value,
-            stopped_by=stopped_by,
-        )
-    else:
-        said = f"{title} {stopped_by}"
-        alone = say("alone it cannot mend {stop}", stop=stop)
+    factor = _factor(row)
     bar = Bar(
         start=1.0,
         end=_drawn(factor),
@@ -255,15 +163,15 @@ def _headroom_row(row: SourceAllotment) -> Row:
         edge=colour,
         edge_width=0.8,
         hatch=hatch,
-        tip=say("{title}: now {now}, {alone}", title=title, now=now, alone=alone),
+        tip=said("headroom_tip", row=row),
     )
     is_moved = row.status == FREE and bool(row.allowed)
     diamond = Dot(at=_drawn(row.factor), shape="D", fill=PAPER, edge=INK, size=4.0)
     return Row(
-        label=title,
+        label=source_title(row.source),
         marks=(bar, diamond) if is_moved else (bar,),
-        beside=(stopped_by,),
-        said=said,
+        beside=(said("headroom_beside", row=row),),
+        said=said("headroom_said", row=row),
     )
 
 

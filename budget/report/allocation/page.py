@@ -3,34 +3,29 @@
 from __future__ import annotations
 
 from functools import partial
+from math import floor, log10
 from typing import TYPE_CHECKING
 
 from budget.names import MISSION, by_group
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
-from budget.report.allocation.words import (
-    IDLE,
-    in_units,
-    part_title,
-    print_headroom,
-    print_part,
-    print_used,
-    print_value,
-    relaxations,
-    tightest,
-)
 from budget.report.blocks import Abreast, ForPages
 from budget.report.figures.rows import chart_picture
 from budget.report.pages import sections
-from budget.report.tables import DASH
+from budget.report.tables import DASH, print_given
 from budget.studies.allocation.records import FREE
+from budget.ties import first_largest, from_largest, settle
+from budget.units import DAY, YEAR
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Hashable, Iterator, Sequence
 
+    from budget.names import Name
     from budget.report.blocks import Picture, Section
-    from budget.studies.allocation.records import Allocation, LimitedOutput
+    from budget.studies.allocation.records import Allocation, LimitedOutput, LimitPart
 
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
+TAKERS = 3  # sources that are named where a limit cannot be met, at the most
+TAKEN = 0.01  # part of the squared limit from which one is named [1]
 SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
 
 
@@ -43,16 +38,10 @@ def allocation_answer(allocation: Allocation) -> tuple[Section, ...]:
         relaxed=list(relaxations(allocation.impossible)),
         limits=partial(_limits, allocation),
         pictures=Abreast(blocks=(ForPages(lambda: _pictures(allocation)),)),
-        headroom=print_headroom,
         in_units=in_units,
-        part_title=part_title,
-        print_part=print_part,
-        print_used=print_used,
-        print_value=print_value,
         CLOSEST=CLOSEST,
         DASH=DASH,
         FREE=FREE,
-        IDLE=IDLE,
         MISSION=MISSION,
         SHARP=SHARP,
     )
@@ -88,3 +77,46 @@ def _pictures(allocation: Allocation) -> Iterator[Picture]:
         if (headroom := headroom_chart(rows)) is not None:
             yield chart_picture(headroom)
     yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
+
+
+def _alike(
+    outputs: Sequence[LimitedOutput], by: Callable[[LimitedOutput], Hashable]
+) -> Iterator[list[LimitedOutput]]:
+    """Yield outputs that have something in common, in order of the first."""
+    for common in dict.fromkeys(map(by, outputs)):
+        yield [row for row in outputs if by(row) == common]
+
+
+def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
+    """Return the output of each parameter group that is nearest to its limit."""
+    return tuple(
+        rows[
+            first_largest(
+                [row.now if row.allowed is None else row.allowed for row in rows]
+            )
+        ]
+        for rows in _alike(outputs, lambda row: row.output.name.group)
+    )
+
+
+def relaxations(
+    outputs: Sequence[LimitedOutput],
+) -> Iterator[tuple[list[Name], LimitedOutput, list[LimitPart]]]:
+    """Yield outputs with one limit that cannot be met, the one that needs most of it.
+
+    With what takes most of that one.
+    """
+    for rows in _alike(outputs, lambda row: (row.output.name.group, row.printed_limit)):
+        row = rows[first_largest([row.floor for row in rows])]
+        users = [row.parts[k] for k in from_largest([one.floor for one in row.parts])]
+        taken = [part for part in users[:TAKERS] if part.floor > TAKEN]
+        yield [each.output.name for each in rows], row, taken
+
+
+def in_units(seconds: float) -> tuple[str, str]:
+    """Write a time in days, months or years, two digits rounded down; and which."""
+    sizes = {"years": YEAR, "months": YEAR / 12.0, "days": DAY}
+    unit = next((one for one in sizes if seconds >= 2.0 * sizes[one]), "days")
+    number = seconds / sizes[unit]
+    step = 10.0 ** (floor(log10(number)) - 1)
+    return print_given(floor(settle(number / step)) * step), unit

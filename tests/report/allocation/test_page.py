@@ -20,10 +20,10 @@ from budget.report.allocation.page import (
     allocation_section,
     figured,
 )
-from budget.report.allocation.words import print_headroom
 from budget.report.blocks import Document, Picture, Table
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
+from budget.report.pages import line
 from budget.report.typeset import typeset
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
@@ -285,7 +285,10 @@ def test_page_and_terminal_say_headroom_alike(as_tested, impossible):
             cells = cells_of(tables[f"allocation-{sensor}"])
             own = of_sensor(allocation, sensor)
             for row, words, shown in zip(cells, printed[: len(own)], own, strict=True):
-                up_to, stop = print_headroom(shown)
+                up_to, stop = (
+                    line("allocation_words", macro, row=shown)
+                    for macro in ("up_to", "stop")
+                )
                 assert (row[2].text, row[4].text) == (up_to, stop)
                 assert (words[2], words[4]) == (up_to, stop)
 
