@@ -9,9 +9,10 @@ from math import ceil, floor, fsum, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
 from budget.inputs.records import ANGLES
-from budget.language import axis_title, beside, key_title, say, term
+from budget.language import axis_title, beside, key_title, say
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
+from budget.sentences import sentence
 from budget.ties import first_largest, from_largest, settle
 from budget.units import ARCSEC, parse_quantity
 
@@ -92,6 +93,11 @@ class OutputRow:
     lacks: tuple[str, ...]  # lines not given that would widen it, in words
 
     @property
+    def has_mean(self) -> bool:
+        """Whether an error is expected that is not 0, in print."""
+        return self.mean.text != UNKNOWN and float(self.mean.text) != 0.0
+
+    @property
     def is_centred(self) -> bool:
         """Whether the interval is mean +- U, to the digits that are printed."""
         middle = (self.low.exact + self.high.exact) / 2.0
@@ -137,7 +143,8 @@ class GroupTable:
     coverage: float
     rows: tuple[OutputRow, ...]
     sources: tuple[SourceRow, ...]
-    validation: str  # the law against Monte Carlo in words; '' if not validated
+    outputs: tuple[OutputBudget, ...]  # what the rows are of, with checks of the law
+    digits: int  # of u that these checks make sure
 
     @property
     def title(self) -> str:
@@ -195,23 +202,28 @@ class GroupTable:
             alike.setdefault(_printed(row), []).append(place)
         return tuple(tuple(map(tuple, own.values())) for own in found.values())
 
+    def axes(self, places: Sequence[int]) -> list[str]:
+        """Name the axes of some outputs."""
+        return [self.rows[place].axis for place in places]
+
+    def seen(self, place: int) -> list[tuple[SourceRow, SourceCell]]:
+        """Return the sources that have rows of their own, and act on an output."""
+        cells = ((source, source.cells[place]) for source in self.major)
+        return [(source, cell) for source, cell in cells if cell.u.text != "0"]
+
     @property
     def gaps(self) -> str:
         """Say which lines the numbers of the group lack; '' where none."""
         lacks = dict.fromkeys(name for row in self.rows for name in row.lacks)
-        if not lacks:
-            return ""
-        said = say(
-            "{at_least} this or more: {lacks} not given",
-            at_least=AT_LEAST,
-            lacks=say(", ").join(lacks),
+        return (
+            sentence(
+                "analysis/shares.gaps",
+                lacks=list(lacks),
+                is_unknown=any(row.u.text == UNKNOWN for row in self.rows),
+            ).said()
+            if lacks
+            else ""
         )
-        if any(row.u.text == UNKNOWN for row in self.rows):
-            said += say(
-                "; {unknown}: no line that is given reaches it, nothing is known",
-                unknown=UNKNOWN,
-            )
-        return said
 
     @property
     def contributions(self) -> str:
@@ -391,6 +403,12 @@ def print_decimals(value: float, decimals: int) -> str:
     return f"{_quantize(value, -decimals):f}"
 
 
+def print_two_down(value: float) -> str:
+    """Print two digits, rounded down: of the most that will do."""
+    step = 10.0 ** (floor(log10(value)) - 1) if value > 0.0 else 1.0
+    return print_given(floor(settle(value / step)) * step)
+
+
 def print_three(value: float) -> str:
     """Print three digits, zeros kept: '2.50'."""
     return round_value(value, value / 10.0)  # two digits of a tenth
@@ -451,24 +469,24 @@ def print_count(count: int) -> str:
 
 def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
     """Name the two largest and gather the rest; shares are of one variance."""
-    if not any(share > NO_SHARE for _, share in shares):
-        return say("no spread")
-    ranked = [shares[k] for k in from_largest([share for _, share in shares])]
-    head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
-    rest = fsum(share for _, share in ranked[len(head) :])
-    parts = [f"{title} {print_share(share)}" for title, share in head]
-    return say(", ").join(
-        [*parts, say("rest {rest}", rest=print_share(rest))]
-        if rest > NO_SHARE
-        else parts
-    )
+    return _of_shares("largest", shares)
 
 
 def of_the_variance(shares: Sequence[tuple[str, float]]) -> str:
     """Name the two largest as shares 'of the variance'; 'no spread' has none."""
-    if (said := print_contributions(shares)) == say("no spread"):
-        return said
-    return say("{said} of the variance", said=said)
+    return _of_shares("of_the_variance", shares)
+
+
+def _of_shares(macro: str, shares: Sequence[tuple[str, float]]) -> str:
+    """Say what the two largest shares are, and the rest, in the words of a macro."""
+    ranked = [shares[k] for k in from_largest([share for _, share in shares])]
+    head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
+    rest = fsum(share for _, share in ranked[len(head) :])
+    return sentence(
+        f"analysis/shares.{macro}",
+        parts=[f"{title} {print_share(share)}" for title, share in head],
+        rest=print_share(rest) if rest > NO_SHARE else "",
+    ).said()
 
 
 def source_title(source: Name, *, of: str = "") -> str:
@@ -514,26 +532,22 @@ def print_stop(names: Sequence[Name], of: str = "") -> str:
 
 def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
     """Return (name, value), to be said, of what a result depends on besides files."""
-    trials = term("none") if settings.trials is None else print_count(settings.trials)
-    lines = (
-        (term("method"), settings.method),
-        (term("trials"), trials),
-        (term("seed"), str(settings.seed)),
-        (term("coverage"), f"{print_coverage(settings.coverage)} %"),
-        (term("interval"), settings.interval),
-        (term("error reference"), settings.reference),
-        (term("formulas"), settings.formulas),
-    )
-    chosen = (
-        (term("only"), settings.only),
-        (term("outputs"), by_group(settings.outputs)),
-    )
-    missing = "" if settings.missing == "refuse" else settings.missing
-    return (
-        *lines,
-        *((name, say(", ").join(few)) for name, few in chosen if few),
-        *(((term("missing lines"), missing),) if missing else ()),
-    )
+    trials = settings.trials
+    chosen = (settings.only, by_group(settings.outputs))
+    only, outputs = (say(", ").join(few) for few in chosen)
+    lines = {
+        "method": settings.method,
+        "trials": "none" if trials is None else print_count(trials),
+        "seed": str(settings.seed),
+        "coverage": f"{print_coverage(settings.coverage)} %",
+        "interval": settings.interval,
+        "error reference": settings.reference,
+        "formulas": settings.formulas,
+        "only": only,
+        "outputs": outputs,
+        "missing lines": "" if settings.missing == "refuse" else settings.missing,
+    }
+    return tuple((name, value) for name, value in lines.items() if value)
 
 
 def group_tables(budget: Budget) -> tuple[GroupTable, ...]:
@@ -598,7 +612,8 @@ def _group_table(
         sources=tuple(
             sources[k] for k in from_largest([row.share.exact for row in sources])
         ),
-        validation=validation_words(outputs, settings.digits),
+        outputs=outputs,
+        digits=settings.digits,
     )
 
 
@@ -679,51 +694,6 @@ def _source_cell(
         u_input=Number(text=print_given(u_input), exact=u_input),
         c=Number(text=print_given(c, digits=3), exact=c),
         linear=round_u(part.linear, row.output),
-    )
-
-
-def validation_words(outputs: Sequence[OutputBudget], digits: int) -> str:
-    """Say in words how the law fared against Monte Carlo, JCGM 101:2008, 8.1."""
-    checked = [(row, row.validation) for row in outputs if row.validation is not None]
-    if not checked:
-        return ""
-    trials = print_count(max(check.trials for _, check in checked))
-    misses = []
-    for row, check in checked:
-        if not check.holds:
-            scale = row.output.si_per_unit
-            worse = max(check.difference_low, check.difference_high) / scale
-            misses.append(
-                say(
-                    "{axis} {word}: difference {worse} {unit}, tolerance {tolerance}",
-                    axis=row.axis
-                    if row.output.name.time is None
-                    else key_title(row.output.name),
-                    word=say(check.word),
-                    worse=round_uncertainty(worse),
-                    unit=row.output.unit,
-                    tolerance=round_uncertainty(check.tolerance / scale),
-                )
-            )
-    if misses:
-        return say(
-            "against Monte Carlo with {trials} trials: {misses}",
-            trials=trials,
-            misses=say("; ").join(misses),
-        )
-    sure = say("one digit") if digits == 1 else say("{digits} digits", digits=digits)
-    if len(checked) < len(outputs):
-        return say(
-            "against Monte Carlo with {trials} trials: agrees wherever it gives the "
-            "interval, to {sure} of u",
-            trials=trials,
-            sure=sure,
-        )
-    return say(
-        "against Monte Carlo with {trials} trials: agrees for every "
-        "axis, to {sure} of u",
-        trials=trials,
-        sure=sure,
     )
 
 

@@ -9,8 +9,10 @@ from report_examples import GYRO, make_budget, make_output, make_outputs
 from saying import assert_says
 
 from budget import load_device, load_procedure
+from budget.language import say, speaking
 from budget.names import Name, key_title
 from budget.problem import Output
+from budget.report.pages import line
 from budget.report.tables import (
     align_decimals,
     group_tables,
@@ -323,8 +325,9 @@ def test_validation_names_the_axis_that_fails(low, word):
     table = group_tables(make_budget(outputs=(output,)))[0]
 
     shown = round_uncertainty(low)
-    assert_says(table.validation, "Monte Carlo with 230 000 trials", f"x {word}")
-    assert_says(table.validation, f"difference {shown} deg/h", "tolerance 0.0050")
+    said = line("analysis/group", "law_of", group=table)
+    assert_says(said, "Monte Carlo with 230 000 trials", f"x {word}")
+    assert_says(said, f"difference {shown} deg/h", "tolerance 0.0050")
     assert table.rows[0].check == word
 
 
@@ -387,6 +390,20 @@ def test_settings_hold_everything_a_result_depends_on():
         "error reference": "nominal",
         "formulas": "corrected",
     }
+
+
+def test_settings_have_names_in_every_language():
+    """Their names are no templates of the code, and are said where they are shown."""
+    chosen = replace(
+        make_budget().settings,
+        only=("gyro.bias_stability",),
+        outputs=(Name("bias", owner="gyro", axis="x"),),
+        missing="worst",
+    )
+    names = [name for name, _ in settings_lines(chosen)]
+    with speaking("zh"):
+        assert [name for name in names if say(name) == name] == []
+    assert len(names) == 10
 
 
 def test_sources_set_to_zero_are_told():

@@ -10,9 +10,9 @@ from report_examples import GYRO, make_budget, make_output, make_outputs
 from rich.console import Console
 from saying import assert_says
 
-from budget.report.analysis.budget_table import budget_title
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Cell, Column, RowGroup, Table
+from budget.report.pages import line
 from budget.report.tables import group_tables
 from budget.report.terminal import Page, print_sections, print_table
 
@@ -133,7 +133,8 @@ def test_every_source_is_named_in_every_group():
     text = render(budget, width=140)
 
     for group in group_tables(budget):
-        block = text.split(f"{budget_title(group)}\n")[1]
+        title = line("analysis/group", "title", group=group)
+        block = text.split(f"{title}\n")[1]
         block = block.split("Without effect")[0] + block.split("Without effect")[1]
         for source in group.sources:
             assert source.title in " ".join(block.split())

@@ -22,7 +22,7 @@ from budget.report.mission import (
 )
 from budget.report.pages import sections
 from budget.report.route import way_of
-from budget.report.tables import full_title, of_the_variance, validation_words
+from budget.report.tables import full_title, of_the_variance
 from budget.report.wording import standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.request import SHARED, analysis_of
@@ -44,9 +44,7 @@ def mission_answer(budget: Budget) -> tuple[Section, ...]:
     return (
         *verdict_sections(budget, mission_limits, _conditions),
         *_page("mission", budget),
-        *rest_sections(
-            budget, checked=validation_words(budget.outputs, budget.settings.digits)
-        ),
+        *rest_sections(budget),
     )
 
 

@@ -11,12 +11,8 @@ from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
 from budget.inputs import load_device, load_procedure, load_requirement
-from budget.report.analysis.budget_table import (
-    budget_remarks,
-    budget_table,
-    budget_title,
-)
 from budget.report.analysis.groups import budget_section
+from budget.report.pages import blocks, line
 from budget.report.tables import AT_LEAST, AT_MOST, group_tables, print_divisor
 from budget.resources import shipped
 from budget.studies.analysis import analyze
@@ -25,6 +21,7 @@ COLUMNS = [
     *("quantity", "specification", "distribution", "divisor", "u(x)", "", "c"),
     *("c u(x) [deg/h]", "share [%]", "\N{GREEK SMALL LETTER NU}"),
 ]
+PAGE = "analysis/group"
 U_X, C, PART = 4, 6, 7  # places of u(x), c and c u(x)
 
 
@@ -38,6 +35,12 @@ def device(name):
 def budget(name="zhao-2019", **settings):
     """Return its budget."""
     return analyze(device(name), validate=False, **settings)
+
+
+def budget_table(group):
+    """Return the budget table of a group."""
+    (found,) = blocks(PAGE, "table", group=group)
+    return found
 
 
 def table(of, title):
@@ -63,7 +66,7 @@ def test_axes_that_agree_stand_once():
 
     assert not group.title
     title = next(g for g in group_tables(budget()) if g.title == "gyro bias")
-    assert budget_title(title) == "Gyro bias x, y, z [deg/h]"
+    assert line(PAGE, "title", group=title) == "Gyro bias x, y, z [deg/h]"
     assert texts(group)["bias repeatability"][1:8] == [
         *("0.05 deg/h, 1 sigma", "normal", "1", "0.05", "deg/h", "1", "0.050")
     ]
@@ -249,7 +252,8 @@ def test_u_of_trials_has_no_degrees_of_freedom():
 
     def remarks(one):
         groups = group_tables(one)
-        return [str(x.words) for g in groups for x in budget_remarks(g)]
+        said = (blocks(PAGE, "remarks", group=g, checked=True) for g in groups)
+        return [str(x.words) for one in said for x in one]
 
     assert any("combined u by simulation" in text for text in remarks(of))
     assert not any("combined u by" in text for text in remarks(budget()))
