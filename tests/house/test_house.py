@@ -19,7 +19,7 @@ from sources import nodes_of
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
     ("units", "language", "resources"),
-    ("distributions",),
+    ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
     ("results",),
@@ -234,6 +234,7 @@ def test_a_fact_that_a_text_drops_is_seen():
 OTHER_DOTS = {
     "text.partition('.')",
     "document.base_name.partition('.')",
+    "place.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",
     "f'{path}.{key}'",
