@@ -130,6 +130,7 @@ def _environment(_: Path | None) -> SandboxedEnvironment:
         "time": time_text,
         "each": _each,
         "row": _row,
+        "thousands": lambda count: f"{count:,}".replace(",", " "),
         "commas": _commas,
         "listed": _listed,
     }

@@ -1211,9 +1211,26 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
     use; what its sheet leaves to the procedure.
     """
     stands = {one.source for one in case.filling.lines}
+    asked = () if case.mission is None else saturations(case.sensors, case.mission)
     return (
-        *_ranges_needed(case),
-        *_saturations(case),
+        *(
+            Caution(
+                kind="range",
+                line=Name("range", owner=one.sensor),
+                text=sentence(
+                    "conditions.range_needed", sensor=one.sensor, needed=one.shown
+                ),
+            )
+            for one in _peaks(case)
+        ),
+        *(
+            Caution(
+                kind=SATURATES,
+                line=Name("range", owner=one.peak.sensor),
+                text=one.said,
+            )
+            for one in asked
+        ),
         *(
             one
             for device in case.devices
@@ -1322,29 +1339,6 @@ def _peaks(case: Case) -> tuple[Peak, ...]:
         for one in case.there
         if one.range is None and calibrates(one.kind, case.procedure)
     )
-
-
-def _ranges_needed(case: Case) -> Iterator[Caution]:
-    """Yield what range is needed of triads that do not give theirs."""
-    for peak in _peaks(case):
-        yield Caution(
-            kind="range",
-            line=Name("range", owner=peak.sensor),
-            text=sentence(
-                "conditions.range_needed", sensor=peak.sensor, needed=peak.shown
-            ),
-        )
-
-
-def _saturations(case: Case) -> Iterator[Caution]:
-    """Yield the axes that a mission asks for more than they read."""
-    if case.mission is not None:
-        for one in saturations(case.sensors, case.mission):
-            yield Caution(
-                kind=SATURATES,
-                line=Name("range", owner=one.peak.sensor),
-                text=one.said,
-            )
 
 
 def ranges_of(case: Case) -> tuple[Condition, ...]:
