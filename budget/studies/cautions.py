@@ -177,7 +177,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
             for name, what in removed.items()
         ),
         *(
-            Unfelt(source=name, removed="", needs=effect.needs)
+            Unfelt(source=name, removed="", needs=sentence(effect.needs))
             for name, effect in effects
             if isinstance(effect, Disturbance | Change | Coefficient)
         ),
