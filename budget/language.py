@@ -163,12 +163,12 @@ def key_title(key: str) -> str:
     return beside(words(owner), words(" ".join(rest))) if rest else title
 
 
-def line_note(name: names.Name) -> Note:
-    """Write a line of a device as words, to be said later: 'gyro bias stability'."""
-    line = note(names.key_title(name.quantity))
+def line_title(name: names.Name) -> str:
+    """Write a line of a device as words, without an axis: 'gyro bias stability'."""
+    line = say(names.key_title(name.quantity))
     if not name.owner:
         return line
-    return note("{owner} {line}", owner=note(names.words(name.owner)), line=line)
+    return say("{owner} {line}", owner=words(name.owner), line=line)
 
 
 def axis_title(name: names.Name) -> str:

@@ -18,6 +18,7 @@ from budget.language import (
     ENGLISH,
     Note,
     key_title,
+    line_title,
     say,
     speaking,
     spoken,
@@ -33,7 +34,7 @@ from budget.resources import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from pathlib import Path
     from typing import Any, Self
 
@@ -50,15 +51,18 @@ class Sentence(Note):
 
     __slots__ = ()
 
-    def __new__(cls, place: str, parts: Mapping[str, object]) -> Self:
+    def __new__(
+        cls, place: str, parts: Mapping[str, object], english: str | None = None
+    ) -> Self:
         """Fill the macro in in English, from the templates that ship."""
-        self = str.__new__(cls, _english(place, parts))
+        text = _english(place, parts) if english is None else english
+        self = str.__new__(cls, text)
         self.template, self.parts = place, parts
         return self
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Keep the values when the text is sent to another process."""
-        return Sentence, (self.template, self.parts)
+        """Keep the values, and the text, when it is sent to another process."""
+        return Sentence, (self.template, self.parts, str(self))
 
     def said(self) -> str:
         """Say it in the language of the context."""
@@ -70,6 +74,7 @@ def sentence(place: str, /, **parts: object) -> Sentence:
     return Sentence(place, parts)
 
 
+@cache
 def message_key(message: str) -> str:
     """Return what the catalogue calls a sentence of Jinja2: parts in braces."""
     return _PARTS.sub(lambda one: f"{{{one[1]}}}" if one[1] else "%", message)
@@ -91,12 +96,24 @@ def _english(place: str, parts: Mapping[str, object]) -> str:
 
 def _filled(place: str, parts: Mapping[str, object]) -> str:
     """Fill a macro in, in the language of the context."""
-    page, macro = _PLACE.findall(place)
-    file = PAGE.format(page)
-    with telling(file):
-        template = _environment(own_templates()).get_template(file)
-        said = getattr(module_of(template, spoken()), macro)(**parts)
-    return " ".join(said.split(" ")) if "\n" not in said else " ".join(said.split())
+    if own_templates() is None:
+        said = str(_shipped(place, spoken())(**parts))
+    else:
+        page, _ = _PLACE.findall(place)
+        with telling(PAGE.format(page)):
+            said = str(_macro(place, spoken())(**parts))
+    return " ".join(said.split()) if "\n" in said else said
+
+
+def _macro(place: str, language: str) -> Callable[..., str]:
+    """Return a macro in a language, one's own where there is one."""
+    page, name = _PLACE.findall(place)
+    template = _environment(own_templates()).get_template(PAGE.format(page))
+    macro: Callable[..., str] = getattr(module_of(template, language), name)
+    return macro
+
+
+_shipped = cache(_macro)  # of macros that no folder of one's own goes before
 
 
 @cache
@@ -110,7 +127,11 @@ def _environment(_: Path | None) -> SandboxedEnvironment:
         "said": say,
         "words": words,
         "key": key_title,
+        "line": line_title,
         "time": time_text,
+        "each": _each,
+        "row": _row,
+        "thousands": lambda count: f"{count:,}".replace(",", " "),
         "commas": _commas,
         "listed": _listed,
     }
@@ -132,6 +153,16 @@ def _said(message: str, /, **parts: object) -> Markup:
 def _counted(one: str, many: str, number: int, /, **parts: object) -> Markup:
     """Say the sentence for one thing, or that for another number of them."""
     return _said(one if number == 1 else many, **parts)
+
+
+def _each(records: Iterable[Any], write: Callable[[Any], str]) -> list[str]:
+    """Return what a macro writes of each record."""
+    return [write(one) for one in records]
+
+
+def _row(texts: Iterable[object]) -> str:
+    """Put texts one after another, with the same comma in every language."""
+    return ", ".join(str(_plain(one)) for one in texts)
 
 
 def _commas(texts: Iterable[object], mark: str = ", ") -> str:

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import in_a_row, note
 from budget.model.source import ACCELEROMETER, GYRO, SENSORS
-from budget.names import AXES, time_text
+from budget.names import AXES
 from budget.navigation.route import Legs
+from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -27,10 +27,9 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Mission, Sensor
-    from budget.language import Note
     from budget.model.place import Place
     from budget.model.windows import Schedule, Window
-    from budget.navigation.route import Leg, Route
+    from budget.navigation.route import Route
 
 # Of a range, that its two or three digits leave open: the earth rate beside a turn of
 # 1 deg/s (0.42 %) and gravity at a pole beside 1 g (0.26 %) are within it [1].
@@ -83,22 +82,14 @@ class Saturation:
         return f"±{shown(self.peak.sensor, self.range)}"
 
     @property
-    def said(self) -> Note:
+    def said(self) -> str:
         """The sentence on a mission."""
-        is_one = len(self.axes) == 1
-        return note(
-            "saturates: {sensor} {axis} of {device} reads up to {range}, {where} asks "
-            "{peak}"
-            if is_one
-            else "saturates: {sensor} {axes} of {device}; {axis} reads up to {range}, "
-            "{where} asks {peak}",
-            **({} if is_one else {"axes": in_a_row(self.axes)}),
-            sensor=note(self.peak.sensor),
-            axis=self.peak.axis,
+        return sentence(
+            "saturation.beyond",
             device=self.device,
+            peak=self.peak,
             range=self.range_shown,
-            where=self.peak.where,
-            peak=self.peak.shown,
+            axes=self.axes,
         )
 
 
@@ -135,7 +126,7 @@ def peaks_of_mission(mission: Mission) -> tuple[Peak, ...]:
 
     def where(k: int) -> tuple[str, float]:
         time = float(times[k])
-        return _where(mission.route, time, moves=bool(speeds[k] > 0.0)), time
+        return _where(mission.route, time, is_moving=bool(speeds[k] > 0.0)), time
 
     return tuple(
         peak
@@ -222,27 +213,22 @@ def _peaks(
         yield Peak(sensor=sensor, axis=axis, size=top, where=words, time=time)
 
 
-def _where(route: Route, time: float, *, moves: bool) -> str:
+def _where(route: Route, time: float, *, is_moving: bool) -> str:
     """Say in which segment a time is, or when."""
     if not isinstance(route, Legs):
-        return note("{time} after the start", time=time_text(round(time, 1)))
+        return sentence("saturation.at", time=round(time, 1))
     number = route.leg_at(time)
-    return note(
-        "segment {number} ({move})",
+    leg = route.legs[number]
+    moves = {
+        "turn": leg.turn_rate,
+        "accelerate": leg.acceleration,
+        "climb": leg.climb_rate,
+        "straight": is_moving,
+    }
+    return sentence(
+        "saturation.segment",
         number=number + 1,
-        move=_move(route.legs[number], moves=moves),
+        move=next(filter(moves.get, moves), "stand"),
+        angle=degrees(leg.turn_rate * leg.duration),
+        duration=leg.duration,
     )
-
-
-def _move(leg: Leg, *, moves: bool) -> Note:
-    """Say what a vehicle does on a leg, as a mission file names it."""
-    if leg.turn_rate:
-        turned = f"{degrees(leg.turn_rate * leg.duration):.6g} deg"
-        return note("turn {angle}", angle=turned)
-    if leg.acceleration:
-        return note("accelerate {time}", time=time_text(leg.duration))
-    if leg.climb_rate:
-        return note("climb {time}", time=time_text(leg.duration))
-    if moves:
-        return note("straight {time}", time=time_text(leg.duration))
-    return note("stand {time}", time=time_text(leg.duration))

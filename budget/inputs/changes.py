@@ -15,9 +15,9 @@ from budget.errors import CallError, Issue, UnitError
 from budget.inputs.checking import nearest
 from budget.inputs.composer import UNSAFE, compose, forbid
 from budget.inputs.tree import Node, all_of, describe, merge
-from budget.language import note
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS, lines_of
 from budget.names import ANGLES, AXES, Name, keys_of, words
+from budget.sentences import sentence
 from budget.units import parse_quantity, per_root_hertz
 
 if TYPE_CHECKING:
@@ -362,13 +362,11 @@ class Changed:
     @property
     def said(self) -> str:
         """The change in words, as one of the assumptions."""
-        return note(
-            "{address}: {new} by --set, not given in the file"
-            if self.old == _ABSENT
-            else "{address}: {new} by --set, in place of {old}",
+        return sentence(
+            "assumed.changed",
             address=self.address,
             new=self.new,
-            old=self.old,
+            old=None if self.old == _ABSENT else self.old,
         )
 
 

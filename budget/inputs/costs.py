@@ -10,10 +10,10 @@ from pydantic import Field, create_model
 from budget.inputs.checking import check
 from budget.inputs.fields import Measured, Sign, Strict, mapping_of
 from budget.inputs.records import Cost, Costs, Origin
-from budget.inputs.specification import DENSITY_NOTE, standard_size
-from budget.language import note
+from budget.inputs.specification import standard_size
 from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
+from budget.sentences import sentence
 from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:
@@ -93,18 +93,13 @@ def read_costs(document: Document) -> Costs:
             for key, part in given.items()
         ),
         assumptions=tuple(
-            note(
-                "{key}.{name}: not given, {default} assumed",
-                key=key,
-                name=name,
-                default=default,
-            )
+            sentence("assumed.default", of=key, name=name, usual=default)
             for key, part in given.items()
             for name, default in defaults.items()
             if name not in part.model_fields_set
         )
         + tuple(
-            note("{key}.u_ref: {density_note}", key=key, density_note=DENSITY_NOTE)
+            sentence("assumed.of", key=f"{key}.u_ref", text=sentence("values.density"))
             for key, part in given.items()
             if part.u_ref and per_root_hertz(part.u_ref.unit)
         ),

@@ -43,7 +43,6 @@ from budget.inputs.specification import (
     value_type,
 )
 from budget.inputs.tree import all_of, describe, merge
-from budget.language import note
 from budget.model.sources import (
     ACCELEROMETER,
     GYRO,
@@ -55,6 +54,7 @@ from budget.model.sources import (
 from budget.model.sources.later import AGEING
 from budget.model.sources.temperature import COEFFICIENTS
 from budget.names import Name
+from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -480,9 +480,8 @@ def _read_sensor(
     angle = _nominal(part, "mounting_angle", ANGLES)
     assumptions = [text for one in read for text in one.assumptions]
     assumptions += [
-        note(
-            "{key}: 0 is taken as not given; where it is meant, write {{value: "
-            "{value}, meaning: exact}}",
+        sentence(
+            "assumed.nothing",
             key=Name(one.line.name, owner=kind),
             value=one.line.printed,
         )
@@ -491,14 +490,12 @@ def _read_sensor(
     ]
     for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
         absent = [axis for axis in axes if axis not in named]
-        which = f"{', '.join(absent)} " if named else ""
         if absent:
             assumptions.append(
-                note(
-                    "{kind}.nominal.{key}: {which}not given, 0 assumed",
-                    kind=kind,
-                    key=key,
-                    which=which,
+                sentence(
+                    "assumed.nominal",
+                    key=f"{kind}.nominal.{key}",
+                    axes=absent if named else [],
                 )
             )
     return _ReadSensor(

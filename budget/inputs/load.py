@@ -35,13 +35,13 @@ from budget.inputs.records import (
 from budget.inputs.requirement import read_requirement
 from budget.inputs.station import aged, done_at, read_station, used
 from budget.inputs.tree import MOST_ISSUES, all_of
-from budget.language import note
 from budget.model.source import Change as Changing
 from budget.model.source import Coefficient
 from budget.model.sources import ENVIRONMENT, SENSORS, source_of
 from budget.model.sources.later import TEST_VIBRATION
 from budget.names import MISSION, Name, parameters_of
 from budget.resources import shipped
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -55,20 +55,8 @@ if TYPE_CHECKING:
 P = TypeVar("P")
 T = TypeVar("T")
 PAPER = "zhao-2019"  # the shipped procedure that stands in for none
-# What stands for a procedure where there is none: its name, and what is assumed.
-UNTESTED = {
-    NONE: (
-        "no calibration",
-        note("nobody calibrates it: each parameter is what the design says"),
-    ),
-    FACTORY: (
-        "calibration by the maker",
-        note(
-            "the maker has calibrated it ideally: what it has from its making counts "
-            "nothing, what is new since then counts once"
-        ),
-    ),
-}
+# What stands for a procedure where there is none.
+UNTESTED = {NONE: "no calibration", FACTORY: "calibration by the maker"}
 
 
 def load_device(path: Device | File, changes: Changes = ()) -> Device:
@@ -371,7 +359,6 @@ def _said(given: Procedure | File) -> str:
 
 def without_test(procedure: Procedure, word: str) -> Procedure:
     """Return a procedure as if nobody did it: 'none' or 'factory' (uncalibrated)."""
-    name, assumed = UNTESTED[word]
     later = tuple(
         line
         for line in procedure.environment
@@ -381,7 +368,7 @@ def without_test(procedure: Procedure, word: str) -> Procedure:
     at_all = tuple(f"{Name(line.name, owner=ENVIRONMENT)}:" for line in later)
     return replace(
         procedure,
-        name=name,
+        name=UNTESTED[word],
         formulas=word,
         held=tuple(name for kind in SENSORS for name in parameters_of(kind)),
         windows=(),
@@ -389,7 +376,7 @@ def without_test(procedure: Procedure, word: str) -> Procedure:
         station=(),
         environment=later,
         assumptions=(
-            assumed,
+            sentence("assumed.untested", formulas=word),
             *(text for text in procedure.assumptions if text.startswith(at_all)),
         ),
         origin=Origin(file=word, sha256=sha256(word.encode()).hexdigest()),

@@ -47,8 +47,8 @@ from budget.inputs.use import (
     stated_line,
     stated_lines,
 )
-from budget.language import note
 from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
+from budget.sentences import sentence
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -64,14 +64,6 @@ if TYPE_CHECKING:
 PERFECT = "perfect"
 COORDINATED = "coordinated"
 AIDED, FREE = "aided", "free"
-LEVEL = note(
-    "mission.segments: the vehicle stays level, without bank in turns or pitch in "
-    "climbs"
-)
-BANKED = note(
-    "mission.segments: the vehicle stays level, but in turns that say bank: without "
-    "bank in others or pitch in climbs"
-)
 SHORTEST = 1e-3  # of a segment [s]
 MOST_SEGMENTS = 10_000
 MOST_STEPS = 10_000  # in which errors are carried along: 160 turns, 83 h of level
@@ -638,7 +630,7 @@ class MissionPart(Strict):
             if self.first.move in NEEDED:
                 taken["speed"] = "0 m/s"
         return tuple(
-            note("mission.{key}: not given, {usual} assumed", key=key, usual=usual)
+            sentence("assumed.default", of="mission", name=key, usual=usual)
             for key, usual in taken.items()
             if getattr(self, key) is None
         )
@@ -732,17 +724,10 @@ class MissionFile(Strict):
         temperature = getattr(self.environment, "temperature", None)
         found = []
         if isinstance(temperature, TemperaturePart) and temperature.is_short(end):
-            found.append(
-                note(
-                    "environment.temperature: before its first point as there, after "
-                    "its last as there"
-                )
-            )
+            found.append(sentence("assumed.short_course"))
         is_known = isinstance(temperature, TemperaturePart) or self.vibrations
         if self.mission.alignment_time and is_known:
-            found.append(
-                note("environment: while the unit aligns itself, as at the start")
-            )
+            found.append(sentence("assumed.while_aligning"))
         return tuple(found)
 
 
@@ -762,7 +747,7 @@ def read_mission(document: Document) -> Mission:
     if part.trajectory is None:
         route = part.laid_out
         banks = any(leg.bank for leg in route.legs)
-        said = (BANKED if banks else LEVEL,) if leans(route) else ()
+        said = (sentence("assumed.level", banks=banks),) if leans(route) else ()
     else:
         recorded = _recorded(document, part)
         said = recorded.assumptions

@@ -50,6 +50,7 @@ from budget.names import (
     by_group,
     parameters_of,
 )
+from budget.sentences import sentence
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -549,19 +550,16 @@ def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
         return ()
     found = []
     if model.estimator is None:
-        found.append(note("estimator: not given, least_squares assumed"))
+        found.append(sentence("assumed.usual", key="estimator", usual="least_squares"))
     if model.pause is None:
-        found.append(note("pause: not given, 0 s assumed"))
+        found.append(sentence("assumed.usual", key="pause", usual="0 s"))
     return tuple(found)
 
 
 def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
     """Say what is not estimated."""
     return tuple(
-        note(
-            "{parameters}: not estimated, held at the nominal value of the device",
-            parameters=parameters,
-        )
+        sentence("assumed.held", parameters=parameters)
         for parameters in by_group(model.held)
     )
 
@@ -577,12 +575,7 @@ def _assumptions(
         if field.default is not None  # an age that nobody states is no 0 either
     ]
     return tuple(
-        note(
-            "{prefix}{key}: not given, {shown} assumed, as in Zhao 2019",
-            prefix=prefix,
-            key=key,
-            shown=_shown(value),
-        )
+        sentence("assumed.as_in_the_paper", key=f"{prefix}{key}", shown=_shown(value))
         for key, value in unset
     )
 

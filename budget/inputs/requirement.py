@@ -27,7 +27,6 @@ from budget.inputs.use import (
     Environment,
     stated_lines,
 )
-from budget.language import note
 from budget.model.sources import SENSORS, SOURCES
 from budget.names import (
     IMU,
@@ -40,6 +39,7 @@ from budget.names import (
     every_output,
     quantities_of,
 )
+from budget.sentences import sentence
 from budget.units import Quantity
 
 if TYPE_CHECKING:
@@ -213,13 +213,9 @@ def read_requirement(document: Document) -> Requirement:
     model = check(document, RequirementFile)
     assumptions = []
     if model.coverage is None:
-        assumptions.append(
-            note("coverage: not given, {coverage} assumed", coverage=COVERAGE)
-        )
+        assumptions.append(sentence("assumed.usual", key="coverage", usual=COVERAGE))
     if model.reference is None:
-        assumptions.append(
-            note("reference: not given, {reference} assumed", reference=REFERENCE)
-        )
+        assumptions.append(sentence("assumed.usual", key="reference", usual=REFERENCE))
     caps = dict(model.caps)
     return Requirement(
         name=model.name,

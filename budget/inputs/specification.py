@@ -33,7 +33,7 @@ from budget.inputs.fields import (
     mapping_of,
 )
 from budget.inputs.records import ErrorLine
-from budget.language import note, term
+from budget.language import term
 from budget.model.sources import (
     ACCELEROMETER,
     BAND,
@@ -48,6 +48,7 @@ from budget.model.sources import (
 )
 from budget.model.sources.later import AGEING
 from budget.names import AXES, ONE_VALUE, Name, words
+from budget.sentences import sentence
 from budget.ties import first_largest
 from budget.units import (
     ONE_SIDED,
@@ -89,13 +90,6 @@ SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
 # The lowest Allan deviation of flicker noise over its coefficient B: sqrt(2 ln 2 / pi)
 # to three digits, as data sheets use it [1].
 ALLAN_MINIMUM = 0.664
-DENSITY_NOTE = note(
-    "the sides of the density are not said: taken as two-sided, the random walk is "
-    "the value itself; one-sided it is that over sqrt(2), a factor of "
-    "{walk_per_density:.4f}",
-    walk_per_density=WALK_PER_DENSITY[ONE_SIDED],
-)
-LOW_CUT_NOTE = note("low cut not given, once a day (1.157e-05 Hz) assumed")
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 
 
@@ -241,11 +235,7 @@ class NonlinearityValue(ConstantValue):
         2 K2 R^2/3.
         """
         if self.full_scale is None:
-            text = note(
-                "full scale not given, so that no curve is known: a later turn-on "
-                "meets all of it, whatever the calibration finds"
-            )
-            return _Form(notes=(text,))
+            return _Form(notes=(sentence("values.no_full_scale"),))
         line, shape = self.line or "best", self.shape or "cubic"
         part = {
             ("cubic", "best"): 1.0 / 4.0,
@@ -254,8 +244,8 @@ class NonlinearityValue(ConstantValue):
             ("quadratic", "least_squares"): 2.0 / 3.0,
         }[shape, line]
         power = 3 if shape == "cubic" else 2
-        notes = [] if self.line else [note("line not given, the best one assumed")]
-        notes += [] if self.shape else [note("shape not given, cubic assumed")]
+        notes = [] if self.line else [sentence("values.no_line")]
+        notes += [] if self.shape else [sentence("values.no_shape")]
         range_ = self.full_scale
         return _Form(
             form=shape,
@@ -374,7 +364,6 @@ class AgeingValue(ConstantValue):
         ]
         law = "" if self.law is None else f", {words(self.law)}"
         before = "".join(f", {value} {time}" for value, time in says)
-        notes = [note("law not given, the larger of drift and random walk assumed")]
         return _Form(
             form=self.law or "",
             horizons=(
@@ -386,7 +375,7 @@ class AgeingValue(ConstantValue):
                 *((("law", self.law),) if self.law else ()),
             ),
             definition=f"after {self.horizon.printed}{law}{before}",
-            notes=tuple(notes if self.law is None else ()),
+            notes=() if self.law else (sentence("values.no_law"),),
         )
 
 
@@ -562,12 +551,8 @@ class StabilityValue(ProcessValue):
             says=(("definition", "allan_minimum"), *says),
             definition="allan_minimum",
             notes=(
-                note(
-                    "the lowest Allan deviation over {allan_minimum} taken as the "
-                    "coefficient of flicker noise, as no correlation time is given",
-                    allan_minimum=ALLAN_MINIMUM,
-                ),
-                LOW_CUT_NOTE,
+                sentence("values.floor_as_flicker", minimum=ALLAN_MINIMUM),
+                sentence("values.low_cut"),
             ),
         )
 
@@ -596,7 +581,7 @@ class FlickerValue(ProcessValue):
             says=(("definition", self.definition), ("low_cut", low)),
             definition=f"{self.definition}, no power below "
             + ("once a day" if self.low_cut is None else low),
-            notes=(LOW_CUT_NOTE,) if self.low_cut is None else (),
+            notes=(sentence("values.low_cut"),) if self.low_cut is None else (),
         )
 
 
@@ -760,12 +745,7 @@ def read_value(
     read = [_under(line, sensor, given, word) for word in readings]
     place = first_largest([one.line.largest for one in read])
     key = Name(line.name, owner=sensor)
-    said = note(
-        "{key}: what the value means is open ({readings}); the largest taken, {taken}",
-        key=key,
-        readings=", ".join(readings),
-        taken=readings[place],
-    )
+    said = sentence("values.open", key=key, readings=readings, taken=readings[place])
     lines = tuple((word, one.line) for word, one in zip(readings, read, strict=True))
     return ReadValue(
         line=replace(read[place].line, readings=lines),
@@ -778,17 +758,15 @@ def _of_sides(
 ) -> ReadValue:
     """Return a density as its maker means it, or as the larger where it is open."""
     if known is None:
-        taken, text = sided[TWO_SIDED], DENSITY_NOTE
+        taken, text = sided[TWO_SIDED], sentence("values.density")
         readings = tuple((word, one.line) for word, one in sided.items())
         taken = replace(taken, line=replace(taken.line, readings=readings))
     else:
         taken = sided[known.sides]
-        text = note(
-            "density taken as {sides}, as this maker prints it ({source})",
-            sides=note(known.sides),
-            source=known.source,
+        text = sentence(
+            "values.density_of_maker", sides=known.sides, source=known.source
         )
-    said = note("{key}: {text}", key=key, text=text)
+    said = sentence("assumed.of", key=key, text=text)
     return replace(taken, assumptions=(said, *taken.assumptions))
 
 
@@ -844,10 +822,12 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     notes = list(dict.fromkeys(text for a in axes for text in a.notes))
     key = Name(line.name, owner=sensor)
     assumptions = [
-        note("{key}: {text}", key=key, text=text)
-        if all(text in a.notes for a in axes)
-        else note(
-            "{key}: {text}", key=Name(line.name, owner=sensor, axis=name), text=text
+        sentence(
+            "assumed.of",
+            key=key
+            if all(text in a.notes for a in axes)
+            else Name(line.name, owner=sensor, axis=name),
+            text=text,
         )
         for text in notes
         for name, a in zip(line.axes, axes, strict=True)
@@ -863,7 +843,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
     form = part.curve() if isinstance(part, FORMED) else _Form()
-    assumptions += [note("{key}: {text}", key=key, text=text) for text in form.notes]
+    assumptions += [sentence("assumed.of", key=key, text=text) for text in form.notes]
     taken = ErrorLine(
         name=line.name,
         u=np.array([a.u for a in axes]) * form.factor,
@@ -1036,12 +1016,7 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
         }
         lost = sorted((given.model_fields_set - own.model_fields_set) & stated)
         if lost:
-            notes.append(
-                note(
-                    "{lost} of the line not taken, the axis is a mapping of its own",
-                    lost=", ".join(lost).replace("_", " "),
-                )
-            )
+            notes.append(sentence("values.own_mapping", lost=lost))
     level = _level(part, quantity)
     u = level.u
     notes += level.notes
@@ -1050,24 +1025,12 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
         definition = part.definition if "definition" in part.model_fields_set else ""
         if definition == "allan_minimum":
             u /= ALLAN_MINIMUM
-            notes.append(
-                note(
-                    "the lowest Allan deviation over {allan_minimum} taken as "
-                    "the sigma of the Gauss-Markov process, right for flicker "
-                    "noise only",
-                    allan_minimum=ALLAN_MINIMUM,
-                )
-            )
+            notes.append(sentence("values.floor_as_sigma", minimum=ALLAN_MINIMUM))
         correlation_time = CORRELATION_TIME
         if part.correlation_time is not None:
             correlation_time = part.correlation_time.value
         else:
-            notes.append(
-                note(
-                    "correlation time not given, {correlation_time:g} s assumed",
-                    correlation_time=CORRELATION_TIME,
-                )
-            )
+            notes.append(sentence("values.correlation_time", time=CORRELATION_TIME))
     return _Axis(
         part=part,
         quantity=quantity,
@@ -1109,32 +1072,18 @@ def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
     if isinstance(part, WalkValue) and per_root_hertz(quantity.unit):
         density = part.density or TWO_SIDED
         if part.density is None:
-            notes.append(DENSITY_NOTE)
+            notes.append(sentence("values.density"))
     if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):
         shape = NORMAL
-        notes.append(
-            note(
-                "{meaning!r} taken as a bound on the sigma of every unit, which is set "
-                "to the value itself"
-                if part.meaning == "max"
-                else "{meaning!r} taken as a bound on the sigma of every unit, which "
-                "is set to half of the value itself",
-                meaning=part.meaning,
-            )
-        )
+        notes.append(sentence("values.bound", meaning=part.meaning))
     elif part.meaning in HALF_WIDTHS:
         shape = BY_NAME[part.distribution or "uniform"]
         if part.distribution is None:
-            notes.append(
-                note(
-                    "{meaning!r} taken as uniform, half-width over sqrt(3)",
-                    meaning=part.meaning,
-                )
-            )
+            notes.append(sentence("values.uniform", meaning=part.meaning))
     else:
         shape = BY_NAME[part.distribution or "normal"]
         if part.meaning == "typical":
-            notes.append(note("'typical' taken as 1 sigma"))
+            notes.append(sentence("values.typical"))
     u = quantity.value / divisor(part.meaning, shape)
     return _Level(
         u=u * WALK_PER_DENSITY[density], shape=shape, density=density, notes=notes

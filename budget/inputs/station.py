@@ -43,6 +43,7 @@ from budget.model.sources import ENVIRONMENT, STATION, lines_of, source_of
 from budget.model.sources.later import AGE
 from budget.model.windows import ANGLE, EDGES, RATE, Timing
 from budget.names import MISSION, Name, keys_of, words
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -265,12 +266,7 @@ def _unsaid(station: Strict | None) -> tuple[str, ...]:
     """Say which words a station leaves out that its figures need."""
     needed = {"scale_from": ("rate_error", ANGLE), "window": ("edge_jitter", EDGES[0])}
     return tuple(
-        note(
-            "{station}.{word}: not given, {usual} assumed",
-            station=STATION,
-            word=word,
-            usual=usual,
-        )
+        sentence("assumed.default", of=STATION, name=word, usual=usual)
         for word, (figure, usual) in needed.items()
         if getattr(station, figure, None) and not getattr(station, word)
     )

@@ -19,7 +19,7 @@ from budget.inputs.procedure import MOST_HEIGHT
 from budget.inputs.reader import read_bytes, refuse
 from budget.inputs.records import Origin
 from budget.inputs.tree import all_of, describe
-from budget.language import note, term
+from budget.sentences import sentence
 from budget.units import DAY, STANDARD_GRAVITY, parse_quantity
 
 if TYPE_CHECKING:
@@ -85,28 +85,12 @@ LEAST_GRAIN = 1e-6  # below which it is the rounding of radians [m]
 # the factor, how near to it, from which size on [rad] and how much of height [m], so
 # that it is no ship, which heels out of its turns and pitches with the slope of waves.
 SLIPS = (
-    ("roll", radians(1.0), 1.1, 0.2, 0.0, term("are its numbers rad, under [deg]?")),
-    (
-        "roll",
-        -1.0,
-        1.6,  # with latitude for longitude east is stretched
-        0.2,
-        0.0,
-        term(
-            "is it counted with the left side down, or are latitude and longitude "
-            "swapped?"
-        ),
-    ),
-    ("pitch", radians(1.0), 1.1, 0.05, 50.0, term("are its numbers rad, under [deg]?")),
-    ("pitch", -1.0, 1.1, 0.05, 50.0, term("is it counted with the nose down?")),
-    (
-        "pitch",
-        FOOT,
-        1.1,
-        0.05,
-        50.0,
-        term("are the numbers of height ft, under [m]?"),
-    ),
+    ("roll", radians(1.0), 1.1, 0.2, 0.0, "radians"),
+    # With latitude for longitude east is stretched.
+    ("roll", -1.0, 1.6, 0.2, 0.0, "left_down"),
+    ("pitch", radians(1.0), 1.1, 0.05, 50.0, "radians"),
+    ("pitch", -1.0, 1.1, 0.05, 50.0, "nose_down"),
+    ("pitch", FOOT, 1.1, 0.05, 50.0, "feet"),
 )
 CLOSE = 0.95  # correlation with the track from which a lean follows it [1]
 MOST_GAP = 10.0  # from row to row, of the median: above it something is left out [1]
@@ -213,9 +197,7 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
         first_speed=float(speed[0]),
         assumptions=(
             *(
-                note(
-                    "trajectory.{key}: not given, {usual} assumed", key=key, usual=usual
-                )
+                sentence("assumed.default", of="trajectory", name=key, usual=usual)
                 for key, usual in taken.items()
                 if key not in values
             ),
@@ -238,25 +220,13 @@ def _gaps(time: Array, first: float) -> tuple[str, ...]:
     if not gaps.size:
         return ()
     longest = gaps[np.argmax(steps[gaps])]
-    parts = {
-        "start": f"{first + time[longest]:.12g} s",
-        "end": f"{first + time[longest + 1]:.12g} s",
-        "usual": f"{usual:.6g} s",
-    }
-    if gaps.size == 1:
-        return (
-            note(
-                "trajectory: no row from {start} to {end}, the others come every "
-                "{usual}; taken as smooth between them",
-                **parts,
-            ),
-        )
     return (
-        note(
-            "trajectory: {number} gaps, the longest with no row from {start} to {end}, "
-            "the others come every {usual}; taken as smooth between them",
-            number=gaps.size,
-            **parts,
+        sentence(
+            "trajectory.gaps",
+            number=int(gaps.size),
+            start=float(first + time[longest]),
+            end=float(first + time[longest + 1]),
+            usual=usual,
         ),
     )
 
@@ -284,13 +254,11 @@ def _coarse(time: Array, track: dict[str, Array]) -> tuple[str, ...]:
         )
         if is_rounded and grain / dt**2 > MOST_ROUNDING:
             found.append(
-                note(
-                    "trajectory.{name}: goes in steps of {grain:.3g} m, rows come "
-                    "every {dt:.3g} s: rounding alone asks for {size:.2g} g; write "
-                    "more decimals or smooth it",
+                sentence(
+                    "trajectory.coarse",
                     name=name,
                     grain=grain,
-                    dt=dt,
+                    step=dt,
                     size=grain / dt**2 / STANDARD_GRAVITY,
                 )
             )
@@ -329,14 +297,8 @@ def _leaning(
         factor = float(np.polyfit(angle, own, 1)[0])
         follows = abs(np.corrcoef(angle, own)[0, 1]) > CLOSE
         found += [
-            note(
-                "trajectory.{name}: is {factor} times what the track asks for, all "
-                "along the way: {hint}",
-                name=name,
-                factor=f"{factor:.2g}",
-                hint=note(words),
-            )
-            for of, slip, near, least, height, words in SLIPS
+            sentence("trajectory.leaning", name=name, factor=factor, slip=what)
+            for of, slip, near, least, height, what in SLIPS
             if of == name
             and follows
             and 1.0 / near < factor / slip < near
@@ -402,22 +364,13 @@ def _aside(heading: Array, v_north: Array, v_east: Array) -> tuple[str, ...]:
     if (angle := median(heading)) <= MOST_ASIDE:
         return ()
     readings = {
-        term("; read as radians it would fit"): degrees(1.0) * heading,
-        term("; it would fit if it were counted to the left"): -heading,
-        term(
-            "; it would fit if it were counted from east, or if latitude and longitude "
-            "are swapped"
-        ): pi / 2.0 - heading,
+        "radians": degrees(1.0) * heading,
+        "left": -heading,
+        "east": pi / 2.0 - heading,
     }
-    fits = (words for words, one in readings.items() if median(one) < WELL_ALONG)
-    return (
-        note(
-            "trajectory.heading: differs from the track by {angle} deg in the median; "
-            "see to the order and units of the columns{hint}",
-            angle=f"{degrees(angle):.0f}",
-            hint=note(next(fits, "")),
-        ),
-    )
+    fits = (word for word, one in readings.items() if median(one) < WELL_ALONG)
+    text = sentence("trajectory.aside", angle=degrees(angle), fits=next(fits, ""))
+    return (text,)
 
 
 def _lines(data: bytes, shown: str) -> list[str]:

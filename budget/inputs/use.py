@@ -21,10 +21,11 @@ from budget.inputs.course import Known, SizeOrCourse, TemperaturePart, Vibration
 from budget.inputs.fields import fault, mapping_of
 from budget.inputs.specification import read_value, value_type
 from budget.inputs.tree import describe
-from budget.language import in_a_row, note, term
+from budget.language import term
 from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATION
 from budget.names import MISSION, Name
+from budget.sentences import sentence
 from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
@@ -251,12 +252,12 @@ def with_use(procedure: Procedure, lines: Iterable[ErrorLine]) -> Procedure:
         assumptions=(
             *(text for text in procedure.assumptions if not text.startswith(at)),
             *(
-                note(
-                    "{key}: {said}",
+                sentence(
+                    "assumed.stated",
                     key=Name(line.name, owner=ENVIRONMENT),
-                    said=in_a_row(
-                        filter(None, (line.printed, note(line.meaning), line.source))
-                    ),
+                    printed=line.printed,
+                    meaning=line.meaning,
+                    source=line.source,
                 )
                 for line in new.values()
             ),

@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from budget.arrays import Array
-from budget.language import note
 from budget.model.response import STATISTICS
 from budget.names import AXES
 
@@ -170,16 +169,18 @@ class Effect:
     Attributes
     ----------
     needs : str
-        What has to be there, besides the source, for it to reach anything.
+        Sentence (budget.sentences) on what has to be there, besides the source, for it
+        to reach anything.
     removed : str
-        What makes it cancel, where a good test is made so that it does; else ''.
+        Likewise on what makes it cancel, where a good test is made so that it does;
+        else ''.
     removed_by_norm : str
         Likewise of a test that finds its parameters by the norm of gravity.
     is_process : bool
         Whether it is a random process, though no Noise.
     """
 
-    needs: ClassVar[str] = note("windows that it reaches")
+    needs: ClassVar[str] = "sources.windows"
     is_process: ClassVar[bool] = False
     removed: ClassVar[str] = ""
     removed_by_norm: ClassVar[str] = ""

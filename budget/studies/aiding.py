@@ -20,12 +20,12 @@ from budget.calibration.mission import (
     noises_of,
     on_the_way,
 )
-from budget.language import note
 from budget.methods.gum import covariance_by_source, derivatives
-from budget.names import Name, components_of, key_title, time_text
+from budget.names import Name, components_of
 from budget.navigation.aided import Aided, Belief, Filter
 from budget.navigation.growth import Growth
 from budget.results import BelievedError
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -168,14 +168,5 @@ def overconfident(found: Iterable[BelievedError]) -> tuple[str, ...]:
     if not off:
         return ()
     worst = min(off, key=lambda one: one.standard_uncertainty / one.true)
-    return (
-        note(
-            "mission.filter: it believes {believed} {unit} of {what} after {time}, and "
-            "{true} {unit} is true; where it says how good it is, it says too much",
-            believed=f"{worst.standard_uncertainty:.3g}",
-            true=f"{worst.true:.3g}",
-            unit=worst.unit,
-            what=key_title(Name(worst.parameter, axis=worst.axis)),
-            time=time_text(worst.time),
-        ),
-    )
+    what = Name(worst.parameter, axis=worst.axis)
+    return (sentence("cautions.filter_too_sure", error=worst, what=what),)

@@ -20,7 +20,6 @@ from budget.inputs import (
 )
 from budget.inputs.records import UNCALIBRATED
 from budget.inputs.use import in_use
-from budget.language import note
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -51,6 +50,7 @@ from budget.results import (
     Validation,
     input_files,
 )
+from budget.sentences import sentence
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -60,7 +60,7 @@ from budget.studies.learnt import filtered, too_sure
 from budget.studies.lower_bounds import could_widen, expecting_device
 from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
-from budget.studies.mixture import ONE_SIGMA, WORDS, Mixture
+from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 from budget.studies.request import (
@@ -75,6 +75,7 @@ from budget.studies.request import (
     navigating,
     not_calibrated,
     not_estimated,
+    not_on_a_mission,
     not_weighted,
     sensors_of,
 )
@@ -91,10 +92,6 @@ if TYPE_CHECKING:
     from budget.problem import Problem
     from budget.studies.progress import Progress
 
-NOT_OF_A_MISSION = note(
-    "the requirement has limits on a mission, which are not judged here: budget "
-    "mission --requirement judges them"
-)
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
 SIMULATED_RUNS = 200  # where no number is asked for
@@ -328,9 +325,8 @@ def analyze_as(
     carried = None if of_test else mission
     chosen, warnings = choose_sources(sensors, procedure, settings.only, carried)
     if of_test:
-        limited = requirement is not None and MISSION in requirement.kinds
         warnings = (
-            *(NOT_OF_A_MISSION,) * (limited and mission is None),
+            *not_on_a_mission(requirement, mission),
             *not_calibrated(devices, procedure),
             *not_estimated(devices, procedure, requirement),
             *warnings,
@@ -374,7 +370,7 @@ def analyze_as(
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
     if settings.sobol_samples is not None and problem.normals_per_trial == 0:
-        warnings += (note("no source varies: there are no Sobol' indices"),)
+        warnings += (sentence("cautions.nothing_varies"),)
     elif settings.sobol_samples is not None:
         indices = sobol(
             problem,
@@ -499,11 +495,8 @@ def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
     if not settings.validate:
         return estimate
     if _most_to_validate(settings.digits) < least_trials(coverage):
-        text = note(
-            "not validated: at coverage {coverage:g} that takes "
-            "{least_trials} trials; use the method monte-carlo",
-            coverage=coverage,
-            least_trials=least_trials(coverage),
+        text = sentence(
+            "cautions.not_validated", coverage=coverage, least=least_trials(coverage)
         )
         return replace(estimate, warnings=(text,))
     validations = validate_law(
@@ -615,7 +608,7 @@ def _over_missing(analysis: Analysis, estimate: Estimate) -> Estimate:
         circles=np.stack(
             [mixture.half_widths(p, analysis)[first:] for p in (CEP, R95)]
         ),
-        assumptions=(WORDS,),
+        assumptions=(sentence("cautions.mixture"),),
     )
 
 

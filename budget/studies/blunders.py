@@ -24,9 +24,9 @@ from budget.earth import ECCENTRICITY_SQUARED, ROTATION_RATE, normal_gravity
 from budget.errors import BudgetError
 from budget.inputs.procedure import HEIGHT_0
 from budget.inputs.records import ErrorLine, Sensor
-from budget.language import in_a_row, note
 from budget.model.sources import SENSORS, STATION
 from budget.names import Name
+from budget.sentences import sentence
 from budget.units import DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -59,36 +59,48 @@ class Blunder:
 
     Attributes
     ----------
-    text : str
-        What is taken for what.
+    kind : str
+        'geocentric', 'solar_day', 'height', 'anomaly' or 'unit_g'.
+    size : float
+        What is taken, or left out [deg, m, mGal or m/s^2].
     source : str
         The source of the station that it is an input of.
     used : Procedure
         With what is taken for the truth.
     difference : float
         Used minus true [SI].
-    evidence, remedy : str
-        For a warning: why it is suspected here, and what to do.
     worth : float
         Part of u, or of a limit, from which on it is worth a warning [1].
     """
 
-    text: str
+    kind: str
+    size: float
     source: str
     used: Procedure
     difference: float
-    evidence: str = ""
-    remedy: str = ""
     worth: float = SHARE
 
-    def warn(self, effect: str) -> str:
-        """Say in a warning what it does."""
-        return note(
-            "{evidence}: {text} adds {effect}; {remedy}",
-            evidence=self.evidence,
-            text=self.text,
-            effect=effect,
-            remedy=self.remedy,
+    @property
+    def text(self) -> str:
+        """What is taken for what."""
+        return sentence("blunders.mistake", kind=self.kind, size=self.size)
+
+    def warn(
+        self,
+        moved: Iterable[Offset],
+        beside: Mapping[Name, float] | None = None,
+        what: str = "u",
+    ) -> str:
+        """Say in a warning why it is suspected, what it does, and what to do.
+
+        Offsets stand `beside` what is said of their outputs.
+        """
+        return sentence(
+            "blunders.warning",
+            kind=self.kind,
+            size=self.size,
+            normal=self.used.gravity - self.difference,
+            moved=_adding(moved, beside, what),
         )
 
 
@@ -200,7 +212,7 @@ def costs(procedure: Procedure) -> tuple[tuple[Blunder, tuple[Offset, ...]], ...
 def evident(procedure: Procedure) -> tuple[str, ...]:
     """Say what is wrong with a procedure whatever the device, with its size."""
     found = [
-        one.warn(_listed(moved))
+        one.warn(moved)
         for one in suspected(procedure)
         if one.source == "gravity" and not one.used.is_gravity_normal
         for moved in [_ideal(one)]
@@ -228,7 +240,7 @@ def worth_saying(
     )
     return (
         *(
-            one.warn(_listed(moved, u))
+            one.warn(moved, u)
             for one in suspected(procedure)
             for moved in [_counting(one, sensors, u, limits)]
             if moved
@@ -253,7 +265,7 @@ def _beside_limits(procedure: Procedure, limits: Mapping[Name, float]) -> Iterat
             if abs(offset.error) > LIMIT_SHARE * limits.get(offset.name, inf)
         )
         if moved:
-            yield one.warn(_listed(moved, limits, "limit"))
+            yield one.warn(moved, limits, "limit")
 
 
 def _counting(
@@ -280,7 +292,8 @@ def _geocentric(procedure: Procedure) -> Blunder:
     if procedure.is_gravity_normal:
         gravity = normal_gravity(less, procedure.height)
     return Blunder(
-        text=note("geocentric latitude, {less:.4f} deg", less=degrees(less)),
+        kind="geocentric",
+        size=degrees(less),
         source="latitude",
         used=replace(procedure, latitude=less, gravity=gravity),
         difference=less - L,
@@ -290,7 +303,8 @@ def _geocentric(procedure: Procedure) -> Blunder:
 def _solar_day(procedure: Procedure) -> Blunder:
     """Return a turn of the earth in 24 h for one in a sidereal day."""
     return Blunder(
-        text=note("earth rate 15 deg/h"),
+        kind="solar_day",
+        size=FALSE_RATE / DEG_PER_HOUR,
         source="earth_rate",
         used=procedure,
         difference=FALSE_RATE - ROTATION_RATE,
@@ -300,30 +314,22 @@ def _solar_day(procedure: Procedure) -> Blunder:
 def _height(procedure: Procedure) -> Blunder:
     """Return normal gravity at height 0 used above it."""
     return Blunder(
-        text=note("each {climb:g} m of height not said", climb=CLIMB),
+        kind="height",
+        size=CLIMB,
         source="height",
         used=procedure,
         difference=-CLIMB,
-        evidence=note("height is not given, and gravity is the normal one at 0 m"),
-        remedy=note("give height"),
     )
 
 
 def _anomaly(procedure: Procedure) -> Blunder:
     """Return normal gravity used where there is more of it."""
     return Blunder(
-        text=note("anomaly of +{anomaly:g} mGal left out", anomaly=ANOMALY),
+        kind="anomaly",
+        size=ANOMALY,
         source="gravity",
         used=procedure,
         difference=-ANOMALY * MILLIGAL,
-        evidence=note(
-            "gravity is the normal one, and the station does not say how well it "
-            "is known"
-        ),
-        remedy=note(
-            "10 to 100 mGal are usual; give the gravity that was measured, or "
-            "station.gravity"
-        ),
         worth=SHARE * ANOMALY / LEAST_ANOMALY,
     )
 
@@ -331,16 +337,11 @@ def _anomaly(procedure: Procedure) -> Blunder:
 def _unit_g(used: Procedure, true: float) -> Blunder:
     """Return the unit g, or what it is rounded to, used for gravity."""
     return Blunder(
-        text=note("unit g for gravity ({gravity:g} m/s^2)", gravity=used.gravity),
+        kind="unit_g",
+        size=used.gravity,
         source="gravity",
         used=used,
         difference=used.gravity - true,
-        evidence=note(
-            "gravity is a round number, and the normal one of this "
-            "latitude, at height 0, is {true:.5f} m/s^2",
-            true=true,
-        ),
-        remedy=note("give 'normal' and height, or the gravity that was measured"),
     )
 
 
@@ -365,32 +366,19 @@ def _values_for_uncertainties(procedure: Procedure) -> tuple[str, ...]:
         "gravity": place.gravity,
         "earth_rate": place.earth_rate,
     }
-    found = []
-    for line in procedure.station:
-        value = values.get(line.name)
-        if not value or not isclose(line.u[0], value, rel_tol=SAME):
-            continue
-        what = line.name.replace("_", " ")
-        text = note(
-            "{station}.{name} is {printed}, the {what} itself, where its standard "
-            "uncertainty belongs",
-            station=STATION,
-            name=line.name,
+    day = _solar_day(procedure)
+    return tuple(
+        sentence(
+            "blunders.value_itself",
+            name=Name(line.name, owner=STATION),
             printed=line.printed,
-            what=note(what),
+            used=value / DEG_PER_HOUR,
+            moved=_adding(_ideal(day)) if line.name == day.source else [],
         )
-        day = _solar_day(procedure)
-        if line.name == day.source and (moved := _ideal(day)):
-            text = note(
-                "{text}; what is used is {used:.4f} deg/h, and {day} would add "
-                "{effect}",
-                text=text,
-                used=value / DEG_PER_HOUR,
-                day=day.text,
-                effect=_listed(moved),
-            )
-        found.append(text)
-    return tuple(found)
+        for line in procedure.station
+        for value in [values.get(line.name)]
+        if value and isclose(line.u[0], value, rel_tol=SAME)
+    )
 
 
 def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
@@ -404,7 +392,7 @@ def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
         Sensor(
-            kind=note(kind),
+            kind=kind,
             device="",
             nominal_bias=np.zeros(3),
             nominal_mounting_angle=np.zeros(6),
@@ -437,25 +425,21 @@ def _moved(found: Iterable[Offset]) -> tuple[Offset, ...]:
     return tuple(moved)
 
 
-def _listed(
-    moved: Iterable[Offset], u: Mapping[Name, float] | None = None, what: str = "u"
-) -> str:
-    """Name offsets, '-1016 ppm to accelerometer.scale_factor', beside u where known."""
-    return in_a_row(
-        note("{printed} to {name}", printed=one.printed, name=one.name)
-        if u is None
-        else note(
-            "{printed} to {name} ({what} {size} {unit})",
-            printed=one.printed,
-            name=one.name,
-            what=note(what),
-            size=_rough(u[one.output.name] / one.output.si_per_unit),
-            unit=one.output.unit,
+def _adding(
+    moved: Iterable[Offset], beside: Mapping[Name, float] | None = None, what: str = ""
+) -> list[tuple[str, Name, str, float, str]]:
+    """Return offsets, their outputs, and what they stand beside, where that is known.
+
+    That is '' where it is not, its size, and its unit.
+    """
+    return [
+        (
+            one.printed,
+            one.name,
+            "" if beside is None else what,
+            0.0 if beside is None else beside[one.output.name] / unit,
+            one.output.unit,
         )
         for one in moved
-    )
-
-
-def _rough(value: float) -> str:
-    """Write a number to two digits, without a power of ten where it is not large."""
-    return f"{float(f'{value:.2g}'):g}"
+        for unit in [one.output.si_per_unit]
+    ]

@@ -12,12 +12,11 @@ from budget.calibration.mission import not_carried
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.inputs.specification import time_of
-from budget.language import in_a_row, note, term
 from budget.model.source import Change, Coefficient, Disturbance, Nonlinearity
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
-from budget.names import Name, key_title, time_text
+from budget.names import Name
 from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY
 
@@ -40,16 +39,12 @@ def options_without_effect(
     method: str, *, trials: int | None, interval: str
 ) -> tuple[str, ...]:
     """Name the options that were given and change nothing under this method."""
-    if method != "gum":
-        return ()
-    found = []
-    if trials is not None:
-        found.append(note("a number of trials changes nothing: the law needs none"))
-    if interval != "symmetric":
-        found.append(
-            note("by the law the shortest interval is the symmetric one, mean +- U")
-        )
-    return tuple(found)
+    given = {"trials": trials is not None, "interval": interval != "symmetric"}
+    return tuple(
+        sentence("cautions.without_effect", option=option)
+        for option, is_given in given.items()
+        if method == "gum" and is_given
+    )
 
 
 def few_trials(trials: int | None, coverage: float) -> tuple[str, ...]:
@@ -76,38 +71,22 @@ def doubts(rows: Sequence[OutputBudget]) -> tuple[str, ...]:
     ]
     if not doubtful:
         return ()
-    text = note(
-        "the law of propagation is not confirmed by Monte Carlo "
-        "(JCGM 101, clause 8) for {doubtful}: use the method "
-        "monte-carlo for these",
-        doubtful=", ".join(doubtful),
-    )
-    return (text,)
+    return (sentence("cautions.not_confirmed", outputs=doubtful),)
 
 
 def judged_otherwise(budget: Budget) -> tuple[str, ...]:
     """Say which intervals are not of the kind that was asked for."""
     interval, found = budget.settings.interval, budget.assessment
-    if interval == "symmetric":
-        return ()
+    outputs: list[Name] | None = [
+        row.output.name
+        for row in budget.outputs
+        if row.by_trials and budget.settings.method == "gum"
+    ]
     if found is not None and any(row.by_monte_carlo for row in found.outputs):
-        text = note(
-            "limits are judged by intervals symmetric in probability, "
-            "as everywhere: those of required outputs are, not the "
-            "{interval}",
-            interval=interval,
-        )
-        return (text,)
-    if budget.settings.method != "gum":
+        outputs = None
+    if interval == "symmetric" or outputs == []:
         return ()
-    names = [r.output.name for r in budget.outputs if r.by_trials]
-    text = note(
-        "the intervals of {names} are of Monte Carlo and symmetric in probability, as "
-        "limits are judged, not the {interval}",
-        names=", ".join(names),
-        interval=interval,
-    )
-    return (text,) if names else ()
+    return (sentence("cautions.judged_otherwise", interval=interval, outputs=outputs),)
 
 
 def unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
@@ -119,15 +98,7 @@ def unsettled(problem: Problem, drawn: Sample) -> tuple[str, ...]:
     ]
     if not names:
         return ()
-    count = f"{drawn.trials:,}".replace(",", " ")
-    text = note(
-        "{count} trials were the most allowed and too few to "
-        "settle {names} to the digits asked for: raise max_trials "
-        "(--max-trials)",
-        count=count,
-        names=", ".join(names),
-    )
-    return (text,)
+    return (sentence("cautions.unsettled", trials=drawn.trials, outputs=names),)
 
 
 def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
@@ -135,22 +106,11 @@ def unknown_zeros(problem: Problem, law: Propagation) -> tuple[str, ...]:
     resolution = np.array([output.resolution for output in problem.outputs])
     still = law.standard_uncertainty <= resolution
     groups = dict.fromkeys(
-        note(
-            "{owner} {quantity}",
-            owner=note(key_title(output.name.owner)),
-            quantity=note(key_title(output.name.quantity)),
-        )
+        output.name.group
         for output, is_still in zip(problem.outputs, still, strict=True)
         if is_still
     )
-    if not groups:
-        return ()
-    text = note(
-        "no line that is given reaches the {groups}: 0 there says "
-        "what is not known, not how good it is",
-        groups=in_a_row(groups, by=term("{before}, the {text}")),
-    )
-    return (text,)
+    return (sentence("cautions.unknown_zeros", groups=tuple(groups)),) if groups else ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +177,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
             for name, what in removed.items()
         ),
         *(
-            Unfelt(source=name, removed="", needs=effect.needs)
+            Unfelt(source=name, removed="", needs=sentence(effect.needs))
             for name, effect in effects
             if isinstance(effect, Disturbance | Change | Coefficient)
         ),
@@ -239,21 +199,11 @@ def say_unfelt(found: Sequence[Unfelt]) -> tuple[str, ...]:
             by_what.setdefault(one.removed, []).append(one.source)
     return (
         *(
-            note(
-                "{names}: no output of this test moves to first order, "
-                "removed by {what}",
-                names=", ".join(names),
-                what=what,
-            )
+            sentence("cautions.removed", names=names, what=what)
             for what, names in by_what.items()
         ),
         *(
-            note(
-                "{source} is given and reaches no output of this test: it "
-                "takes {needs}",
-                source=one.source,
-                needs=one.needs,
-            )
+            sentence("cautions.unfelt", source=one.source, needs=one.needs)
             for one in found
             if one.needs
         ),
@@ -265,13 +215,7 @@ def age_that_counts_not(procedure: Procedure, reference: str) -> tuple[str, ...]
     age = next((line for line in procedure.environment if line.name == AGE), None)
     if age is None or reference == "next_turn_on":
         return ()
-    text = note(
-        "the age of {age} counts at a later turn-on alone: with "
-        "the error reference {reference} it changes nothing; ask "
-        "for next_turn_on",
-        age=age.printed,
-        reference=reference,
-    )
+    text = sentence("cautions.age_counts_not", age=age.printed, reference=reference)
     return (text,)
 
 
@@ -288,9 +232,8 @@ def shared_constants(
     held = {name.group for name in procedure.held}
     is_use = reference == "next_turn_on"
     return tuple(
-        note(
-            "{name}: a constant of the device, so it is also in the "
-            "reference {reference} and counts nothing",
+        sentence(
+            "cautions.shared",
             name=Name(line.name, owner=sensor.kind),
             reference=reference,
         )
@@ -316,22 +259,10 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
     ]
     said = []
     if sampled:
-        said.append(
-            note(
-                "{names}: samples of the mission come at {rate:g} Hz, "
-                "the rate of the procedure",
-                names=", ".join(sampled),
-                rate=procedure.sample_rate,
-            )
-        )
+        rate = procedure.sample_rate
+        said.append(sentence("cautions.samples", names=sampled, rate=rate))
     if names := not_carried(sensors, procedure):
-        said.append(
-            note(
-                "{names}: the temperature during the mission is not modelled, so that "
-                "what these do on the way is not in its errors",
-                names=", ".join(names),
-            )
-        )
+        said.append(sentence("cautions.not_carried", names=names))
     return tuple(said)
 
 
@@ -373,61 +304,30 @@ def of_no_vehicle(mission: Mission | None) -> tuple[str, ...]:
     if mission is None:
         return ()
     way = mission.route.outline
-    found = list(mission.doubts)
-    if way.speed > MOST_SPEED:
-        found.append(
-            note(
-                "the mission goes at up to {speed:.4g} m/s, aircraft stay below "
-                "{most:g} m/s: see to its units of time and place",
-                speed=way.speed,
-                most=MOST_SPEED,
+    bounds = (
+        ("speed", way.speed, MOST_SPEED, 1.0),
+        ("height", way.heights[1], MOST_HEIGHT, 1.0),
+        ("acceleration", way.acceleration, MOST_ACCELERATION, STANDARD_GRAVITY),
+        ("turn", way.turn_rate, MOST_TURN_RATE, radians(1.0)),
+    )
+    found = [
+        *mission.doubts,
+        *(
+            sentence(
+                "cautions.no_vehicle",
+                slip=slip,
+                size=size / unit,
+                most=most / unit,
+                time=way.hardest,
             )
-        )
-    if (height := way.heights[1]) > MOST_HEIGHT:
-        found.append(
-            note(
-                "the mission is up to {height} m high, aircraft stay below {most:g} m: "
-                "are its heights ft?",
-                height=f"{height:.0f}",
-                most=MOST_HEIGHT,
-            )
-        )
-    if way.acceleration > MOST_ACCELERATION:
-        found.append(
-            note(
-                "the mission asks for {size:.3g} g after {time}, aircraft stay below "
-                "{most:g} g: see to its units, and in a recording to jumps and to the "
-                "decimals of its positions",
-                size=way.acceleration / STANDARD_GRAVITY,
-                time=time_text(float(f"{way.hardest:.3g}")),
-                most=MOST_ACCELERATION / STANDARD_GRAVITY,
-            )
-        )
-    if way.turn_rate > MOST_TURN_RATE:
-        found.append(
-            note(
-                "the mission turns by up to {rate:.4g} deg/s, drones stay below "
-                "{most:g} deg/s: see to the units of its angles and of time",
-                rate=degrees(way.turn_rate),
-                most=degrees(MOST_TURN_RATE),
-            )
-        )
+            for slip, size, most, unit in bounds
+            if size > most
+        ),
+    ]
     if way.length > LEAST_LENGTH and way.speed < LEAST_SPEED:
-        found.append(
-            note(
-                "the mission goes {length:.3g} m and never faster than {speed:.2g} "
-                "m/s, slower than vehicles: are times in ms, or angles in rad?",
-                length=way.length,
-                speed=way.speed,
-            )
-        )
+        found.append(sentence("cautions.slow", length=way.length, speed=way.speed))
     if way.longitude is not None and _in_radians(way.latitude, way.longitude):
-        found.append(
-            note(
-                "the mission is within pi/2 deg of latitude 0 and pi deg of longitude "
-                "0, in the Gulf of Guinea: are its angles in rad?"
-            )
-        )
+        found.append(sentence("cautions.in_radians"))
     return tuple(found)
 
 
@@ -454,11 +354,5 @@ def beyond_first_order(problem: Problem, law: Propagation) -> tuple[str, ...]:
         return ()
     largest = max(u for u, _ in found)
     first = min(time or 0.0 for _, time in found)
-    text = note(
-        "attitude errors reach {size} (1 sigma), from {time} on more than 5.7 deg: "
-        "the equations of navigation errors are of first order in them, so that what "
-        "is said of such times says that the unit is lost, not how far off it is",
-        size=f"{degrees(largest):.2g} deg",
-        time=time_text(first),
-    )
+    text = sentence("cautions.beyond_first_order", size=degrees(largest), time=first)
     return (text,)

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.schemes import estimated
-from budget.language import note
 from budget.methods.gum import propagate
 from budget.model.response import inverse, tilt_matrix
 from budget.names import AXES, Name, by_group, parameters_of
 from budget.results import Compensation
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -100,12 +100,11 @@ def compensations(
         needed = [n for n in parameters_of(kind) if n.quantity != "scale_factor"]
         if held := [name for name in needed if name not in known]:
             absent.append(
-                note(
-                    "no compensation matrices of the {kind}: {name} does not "
-                    "estimate {by_group}",
-                    kind=note(kind),
-                    name=analysis.procedure.name,
-                    by_group=", ".join(by_group(held)),
+                sentence(
+                    "cautions.no_matrices",
+                    sensor=kind,
+                    procedure=analysis.procedure.name,
+                    parameters=by_group(held),
                 )
             )
             continue

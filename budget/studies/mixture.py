@@ -30,7 +30,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.methods.execution import small_blocks
 from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
@@ -55,10 +54,6 @@ FURTHEST = 2.0  # step of the logarithm of a radius
 LEAST = 1e-12  # slope, and variance over that of the medians, not to divide by 0 [1]
 LARGEST = 700.0  # exponent of a double
 MOST = 1e100  # square of a line over its median, for a product of two of them [1]
-WORDS = note(
-    "mission: errors are of the predictive mixture, over what the lines that are not "
-    "given may be, not at their medians; contributions are at the medians"
-)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

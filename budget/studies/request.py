@@ -36,7 +36,6 @@ from budget.errors import CallError, UnitError
 from budget.inputs import load_procedure
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import UNCALIBRATED, Device
-from budget.language import note
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
 from budget.model.sources import (
@@ -56,6 +55,7 @@ from budget.names import (
     meant,
     time_text,
 )
+from budget.sentences import sentence
 from budget.studies.aiding import problem_of_mission
 from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
 from budget.studies.missing import Filling
@@ -547,11 +547,7 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
     if procedure.formulas in UNCALIBRATED:
         return ()
     return tuple(
-        note(
-            "{name} does not calibrate the {kind}: nothing is said of it",
-            name=procedure.name,
-            kind=note(kind),
-        )
+        sentence("cautions.not_calibrated", procedure=procedure.name, sensor=kind)
         for kind in _kinds(devices)
         if not calibrates(kind, procedure)
     )
@@ -583,28 +579,27 @@ def not_estimated(
     """Say which limits a procedure says nothing of, as it holds what they are on."""
     limits = () if requirement is None else requirement.outputs
     return tuple(
-        note(
-            "{name} does not estimate {parameters}, which the "
-            "requirement limits: whether that limit is kept is not "
-            "known, and nothing meets it by this test",
-            name=procedure.name,
-            parameters=parameters,
+        sentence(
+            "cautions.not_estimated", procedure=procedure.name, parameters=parameters
         )
         for parameters in by_group(limited_but_held(_kinds(devices), procedure, limits))
     )
+
+
+def not_on_a_mission(
+    requirement: Requirement | None, mission: Mission | None
+) -> tuple[str, ...]:
+    """Say that limits on a mission are judged by nobody who is given none."""
+    if mission is not None or requirement is None or MISSION not in requirement.kinds:
+        return ()
+    return (sentence("cautions.limits_on_a_mission"),)
 
 
 def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
     """Say which limits are judged by nobody who takes the sensors one by one."""
     of_both = [name for name in requirement.outputs if name.owner == IMU]
     return tuple(
-        note(
-            "the limit on {parameters} is on gyro and accelerometer "
-            "together: they are taken one by one here, so whether that "
-            "limit is kept is not known, and nothing meets it by this; "
-            "budget report --requirement judges it",
-            parameters=parameters,
-        )
+        sentence("cautions.of_both", parameters=parameters)
         for parameters in by_group(of_both)
     )
 
@@ -614,10 +609,7 @@ def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, 
     if procedure.formulas != WEIGHTED:
         return ()
     return tuple(
-        note(
-            "{kind}: no noise line is given to weigh by, every window counts alike",
-            kind=note(sensor.kind),
-        )
+        sentence("cautions.no_weights", sensor=sensor.kind)
         for sensor in sensors
         if not noise_of(sensor.kind, sensor.lines)
     )
@@ -812,13 +804,7 @@ def choose_sources(
     chosen = frozenset(find_sources(only, known, option="--only"))
     given = given_lines(sensors, procedure, mission=mission)
     absent = sorted(chosen - given.keys())
-    return chosen, tuple(
-        note(
-            "{name} was asked for alone, but the device does not give it: taken as 0",
-            name=name,
-        )
-        for name in absent
-    )
+    return chosen, tuple(sentence("cautions.asked_alone", name=name) for name in absent)
 
 
 def check_settings(settings: Settings, *, workers: int = 1) -> None:

@@ -52,7 +52,6 @@ from budget.inputs import (
 from budget.inputs.records import UNCALIBRATED, ErrorLine
 from budget.inputs.station import IDEAL, at_station
 from budget.inputs.use import in_use, of_the_test
-from budget.language import note
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
@@ -68,6 +67,7 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
+from budget.sentences import sentence
 from budget.studies.blunders import against_limits
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import given_lines, not_weighted, sensors_of
@@ -694,12 +694,8 @@ def _probe(case: _Case) -> _Probe:
             own = None if has is None else has.correlation_time
             times[name] = USUAL_TIME if own is None else float(own[0])
             if own is None:
-                assumed[name] = note(
-                    "{name}: {time} not given, {usual_time:g} s assumed for "
-                    "what it may be",
-                    name=name,
-                    time=source.time,
-                    usual_time=USUAL_TIME,
+                assumed[name] = sentence(
+                    "stations.usual_time", name=name, key=source.time, time=USUAL_TIME
                 )
         lines[name] = _unit_line(source, owner, has, times.get(name))
     kept = tuple(
@@ -868,16 +864,8 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
         return ""
     if not probe.elsewhere[g] and not what:
         needs = source_of(name.owner, name.quantity).effect.needs
-        return note("reaches no output of this test: it takes {needs}", needs=needs)
-    if probe.any[g]:
-        return (
-            note("to first order removed by {what}", what=what)
-            if what
-            else note("to first order it reaches no limited output")
-        )
-    if what:
-        return note("removed by {what}", what=what)
-    return note("reaches no output that has a limit")
+        return sentence("stations.reaches_nothing", needs=sentence(needs))
+    return sentence("stations.counts_nothing", what=what, is_felt=bool(probe.any[g]))
 
 
 def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdict, ...]:
@@ -1016,19 +1004,9 @@ def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:
     """Say what a reader should know before believing the tables."""
     absent = [one.output for one in case.requirement.limits if one.output not in names]
     found = [
-        note(
-            "the requirement limits {parameters}, which this test does "
-            "not estimate of what is given: nothing is said of it",
-            parameters=parameters,
-        )
+        sentence("stations.not_estimated", parameters=parameters)
         for parameters in by_group(absent)
     ]
     if not case.has_station:
-        found.append(
-            note(
-                "{name} names no station: what figures take now is not "
-                "known, candidates alone are judged",
-                name=case.procedure.name,
-            )
-        )
+        found.append(sentence("stations.no_station", procedure=case.procedure.name))
     return tuple(found)

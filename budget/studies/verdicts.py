@@ -41,11 +41,10 @@ from budget.calibration.saturation import (
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
 from budget.inputs.makers import LINES_BY_WORD, bare
-from budget.inputs.records import FACTORY, JOINT, NONE
+from budget.inputs.records import JOINT
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
-from budget.language import in_a_row, line_note, note, term
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
 from budget.model.course import Fading
@@ -65,6 +64,7 @@ from budget.model.sources.temperature import (
 )
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
+from budget.sentences import sentence
 from budget.studies.aiding import (
     believed,
     journey_of,
@@ -153,17 +153,6 @@ USE_OF = {
     RECTIFICATION: "vibration",
     **dict.fromkeys(AGEING.values(), "age"),
 }
-STAYS_BELOW = term("if {line} stays below {bound}")
-CHOSEN = term("if no other source acts than those that are chosen")
-DECIDES = term("{line} decides, and is not given: ask for it")
-FAR_BELOW = term(
-    "{line} {printed} is less than a tenth of what any other device like it prints "
-    "({other}): see to its unit"
-)
-FAR_OVER = term(
-    "{line} {printed} is more than ten times what any other device like it prints "
-    "({other}): see to its unit"
-)
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
@@ -243,7 +232,14 @@ def decide(
     found = replace(found, cautions=(*found.cautions, *aided))
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
-    lost = (*_without_time(found.cautions), *_lost(case, held))
+    lost = (
+        *(
+            Condition(kind=NO_TIME, line=one.line, text=one.text)
+            for one in found.cautions
+            if one.kind == NO_TIME
+        ),
+        *_lost(case, held),
+    )
     if not lost:
         return found
     return replace(
@@ -260,31 +256,16 @@ def _of_aids(case: Case, held: Limited, law: Propagation) -> Iterator[Caution]:
     if mission is None or not mission.aiding:
         return
     times = Places.of([output.name for output in outputs]).times
-    during = [
-        time
-        for time in times
-        if any(
-            begin < time <= end for aid in mission.aiding for begin, end in aid.spans
-        )
-    ]
+    spans = [span for aid in mission.aiding for span in aid.spans]
+    during = [t for t in times if any(begin < t <= end for begin, end in spans)]
     if during:
-        text = note(
-            "after {times} it is aided: aids and unit are judged together",
-            times=", ".join(map(time_text, during)),
-        )
+        text = sentence("conditions.aided", times=during)
         yield Caution(kind="aided", line=Name(AIDING), text=text)
     if mission.filter is not None and case.only is None:
         journey = journey_of(mission, times, case.sensors, case.procedure)
         errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
         for said in overconfident(errors):
             yield Caution(kind="filter", line=Name(AIDING), text=said)
-
-
-def _without_time(cautions: Iterable[Caution]) -> Iterator[Condition]:
-    """Yield what leaves a verdict open where a bias stability is none."""
-    for one in cautions:
-        if one.kind == NO_TIME:
-            yield Condition(kind=NO_TIME, line=one.line, text=one.text)
 
 
 def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
@@ -326,7 +307,16 @@ def _decided(
         given = FAILS
     if case.only is not None and given == MEETS:
         return replace(
-            words, verdict=MEETS_IF, conditions=(_only(case.only),), cautions=cautions
+            words,
+            verdict=MEETS_IF,
+            conditions=(
+                Condition(
+                    kind="only",
+                    line=min(case.only),
+                    text=sentence("conditions.chosen"),
+                ),
+            ),
+            cautions=cautions,
         )
     if given == FAILS or case.only:
         return replace(words, verdict=given, cautions=cautions)
@@ -364,7 +354,10 @@ def uses_of(case: Case, margin: Margin) -> tuple[Condition, ...]:
         *(one for key in unstated(case) for one in margin.of_use(key, case)),
         *ranges_of(case),
     )
-    return (_in_its_test(),) if unstated(case) and not uses else uses
+    if uses or not unstated(case):
+        return uses
+    text = sentence("conditions.as_in_its_test")
+    return (Condition(kind="environment", line=Name(ENVIRONMENT), text=text),)
 
 
 def _temperatures_of_test(procedure: Procedure) -> frozenset[Name]:
@@ -406,6 +399,8 @@ def lacking_in_test(case: Case) -> tuple[Name, ...]:
 
 def unjudged(case: Case) -> Standing:
     """Return how a case stands before anything is computed: what it lacks decides."""
+    stated = stated_of(case.procedure) if case.is_later else {}
+    requirement = case.requirement
     return Standing(
         verdict=UNDECIDABLE,
         conditions=tuple(
@@ -416,7 +411,7 @@ def unjudged(case: Case) -> Standing:
                 unit=line.unit,
                 si_per_unit=line.si_per_unit,
                 decides=True,
-                text=note(DECIDES, line=line_note(name)),
+                text=sentence("conditions.decides", line=name),
             )
             for name in expected_of(case)
             for line in [line_of(stand_in(name), name.owner)]
@@ -424,18 +419,24 @@ def unjudged(case: Case) -> Standing:
         cautions=cautions_of(case),
         calibration=calibration_words(case.procedure),
         station=station_words(case.procedure),
-        use=use_words(case.procedure) if case.is_later else note("at its test"),
+        use=sentence(
+            "conditions.use",
+            is_later=case.is_later,
+            stated=tuple(stated),
+            is_all=set(STATED) <= stated.keys(),
+            acting=[
+                (key, line.printed, line.course if is_fading else None)
+                for key, line in stated.items()
+                if line.u.any()
+                for is_fading in [isinstance(line.course, Fading)]
+            ],
+        ),
         mission="" if case.mission is None else case.mission.name,
-        decision=decision_words(case.requirement),
-    )
-
-
-def _in_its_test() -> Condition:
-    """Return the condition of a use that no line acts in, and nobody has stated."""
-    return Condition(
-        kind="environment",
-        line=Name(ENVIRONMENT),
-        text=note("in an environment as that of its test"),
+        decision=sentence(
+            "conditions.decision",
+            is_joint=requirement.decision == JOINT,
+            coverage=requirement.coverage,
+        ),
     )
 
 
@@ -450,15 +451,6 @@ def stand(case: Case, *, seed: int) -> Standing | None:
     law = propagate(problem)
     judged = judge(held, law, seed=seed, max_trials=TRIALS)
     return decide(case, held, law, judged, seed=seed)
-
-
-def _only(sources: frozenset[Name]) -> Condition:
-    """Return the condition of a verdict on some sources alone."""
-    return Condition(
-        kind="only",
-        line=min(sources),
-        text=note(CHOSEN),
-    )
 
 
 def gravest(verdicts: Iterable[str]) -> str:
@@ -800,40 +792,25 @@ class Margin:
             one = line_of(source, name.owner).si_per_unit
             printed = rounded_down(below / one, 3) * one
         line = line_of(source, name.owner, printed)
-        texts = {"line": line_note(name), "bound": line.printed}
-        if below == inf:
-            text = note("whatever {line} is", **texts)
-        elif alone and below == 0.0:
-            text = note(DECIDES, **texts)
-        elif alone and top is not None and below > top.u:
-            text = note(
-                "{line} is not given, and beside others that are not given it decides: "
-                "ask for it",
-                **texts,
-            )
-        elif alone:
-            text = note(
-                "{line} is not given, and from {bound} on it fails: ask for it", **texts
-            )
-        elif largest is None:
-            text = note(STAYS_BELOW, **texts)
-        else:
-            text = note(
-                "if {line} stays below {bound}; comparable devices print up to "
-                "{largest}, 1 sigma",
-                largest=line_of(source, name.owner, largest.u).printed,
-                **texts,
-            )
+        known = None if below == inf else below
         return Condition(
             kind="missing",
             line=name,
-            below=None if below == inf else below,
+            below=known,
             unit=line.unit,
             si_per_unit=line.si_per_unit,
             largest_comparable=None if largest is None else largest.u,
             ceiling=None if top is None else top.u,
             decides=alone,
-            text=text,
+            text=sentence(
+                "conditions.line",
+                line=name,
+                below=known,
+                bound=line.printed,
+                top=None if top is None else top.u,
+                largest=largest and line_of(source, name.owner, largest.u).printed,
+                alone=alone,
+            ),
         )
 
     def of_use(self, key: str, case: Case) -> tuple[Condition, ...]:
@@ -848,13 +825,13 @@ class Margin:
         if (size := self.use_bounds.get(key)) is not None:
             tops = [] if unknown else [self.tops[name] for name in silent]
             found.append(_bounded(key, size * _tried_at(key), tops))
-        held_over = _horizon(case) if key == "age" else None
-        if held_over is not None:
-            found.append(held_over)
+        if key == "age":
+            found += _horizon(case)
         if unknown:
-            found.append(_silent(key, unknown))
+            text = sentence("conditions.silent", use=key, lines=unknown)
+            found.append(_on_use(key, text, silent=unknown))
         if not found and _is_felt(case, key):
-            found.append(_over_its_range(key))
+            found.append(_on_use(key, sentence("conditions.over_temperature")))
         return tuple(found)
 
     @cached_property
@@ -1149,28 +1126,14 @@ def completed(
 
 def _bounded(key: str, below: float, tops: Sequence[Ceiling]) -> Condition:
     """Return the condition on a use: of lines that are given, and `tops` of others."""
-    unit, size = PROBE[key].unit, PROBE[key].si_per_unit
-    texts = {
-        "temperature": term(
-            "while the temperature at use is within {bound} of the test's"
-        ),
-        "vibration": term("while the vibration at use stays below {bound} rms"),
-        "age": term("for use within {bound} of the calibration"),
-    }
-    is_open = below == inf
-    bound = "" if is_open else f"{rounded_down(below / size, 2):g} {unit}"
-    if key == "age" and not is_open:
-        bound = _long_time(below)
-    return _on_use(
-        key,
-        _with_ceilings(
-            note("whatever the {key} at use is", key=note(key))
-            if is_open
-            else note(texts[key], bound=bound),
-            tops,
-        ),
-        below=None if is_open else below,
+    known = None if below == inf else below
+    text = sentence(
+        "conditions.within",
+        use=key,
+        bound=None if known is None else _bound(key, known),
+        tops=[(one.name, one.printed) for one in tops],
     )
+    return _on_use(key, text, below=known)
 
 
 def _on_use(
@@ -1192,21 +1155,6 @@ def _on_use(
     )
 
 
-def _with_ceilings(text: str, tops: Sequence[Ceiling]) -> str:
-    """Say a bound, and what lines that are not given may be below it."""
-    if not tops:
-        return text
-    lines = [
-        note("{line} of {size}", line=line_note(one.name), size=one.printed)
-        for one in tops
-    ]
-    return note(
-        "{bound}, with {lines} in the place of what is not given",
-        bound=text,
-        lines=in_a_row(lines),
-    )
-
-
 def rounded_down(value: float, digits: int) -> float:
     """Return the next number below that has so many digits."""
     if value <= 0.0:
@@ -1215,26 +1163,19 @@ def rounded_down(value: float, digits: int) -> float:
     return float(f"{floor(settle(value / step)) * step:.{digits}g}")
 
 
-def _long_time(seconds: float) -> str:
-    """Write a time as people do, of more than a day in days or years."""
-    for unit, size in (("years", YEAR), ("days", 86400.0)):
-        if seconds >= 2.0 * size:
-            return f"{rounded_down(seconds / size, 2):g} {unit}"
-    return time_text(rounded_down(seconds, 2))
+def _bound(key: str, size: float) -> str:
+    """Write a bound on a use, an age of more than a day in days or years."""
+    units = [(PROBE[key].unit, PROBE[key].si_per_unit, 0.0)]
+    if key == "age":
+        units = [("years", YEAR, 2.0), ("days", 86400.0, 2.0)]
+    for unit, one, least in units:
+        if size >= least * one:
+            return f"{rounded_down(size / one, 2):g} {unit}"
+    return time_text(rounded_down(size, 2))
 
 
-def _silent(key: str, lines: tuple[Name, ...]) -> Condition:
-    """Return the condition on a use that a sheet does not say enough of."""
-    text = note(
-        "its sheet does not say what {use} does: {lines} not given",
-        use=note(key),
-        lines=in_a_row([line_note(name) for name in lines]),
-    )
-    return _on_use(key, text, silent=lines)
-
-
-def _horizon(case: Case) -> Condition | None:
-    """Return the shortest time that a figure holds over, where no age is stated."""
+def _horizon(case: Case) -> Iterator[Condition]:
+    """Yield the shortest time that a figure holds over, where no age is stated."""
     found = [
         (time.value, time.printed)
         for sensor in case.there
@@ -1242,17 +1183,15 @@ def _horizon(case: Case) -> Condition | None:
         if line.name not in AGEING.values()
         if (time := time_of(line.horizon)) is not None
     ]
-    if not found:
-        return None
-    seconds, printed = min(found)
-    return Condition(
-        kind="age",
-        line=Name(AGE, owner=ENVIRONMENT),
-        below=seconds,
-        unit="s",
-        si_per_unit=1.0,
-        text=note("for use within {time} of a calibration", time=printed),
-    )
+    for seconds, printed in sorted(found)[:1]:
+        yield Condition(
+            kind="age",
+            line=Name(AGE, owner=ENVIRONMENT),
+            below=seconds,
+            unit="s",
+            si_per_unit=1.0,
+            text=sentence("conditions.horizon", time=printed),
+        )
 
 
 def _is_felt(case: Case, key: str) -> bool:
@@ -1265,71 +1204,86 @@ def _is_felt(case: Case, key: str) -> bool:
     )
 
 
-def _over_its_range(key: str) -> Condition:
-    """Return the condition of a figure that holds over temperature."""
-    return _on_use(
-        key, note("while the temperature at use is one that its figures are for")
-    )
-
-
 def cautions_of(case: Case) -> tuple[Caution, ...]:
     """Return what qualifies a verdict whatever it is.
 
     What is given and nothing exercises; figures that hold over less than the age of the
     use; what its sheet leaves to the procedure.
     """
-    found = [*_ranges_needed(case), *_saturations(case)]
     stands = {one.source for one in case.filling.lines}
-    for device in case.devices:
-        own = _unusual(device, case.catalogue)
-        found += [one for one in own if one.line not in stands]
-        found += _aside(device)
+    asked = () if case.mission is None else saturations(case.sensors, case.mission)
+    return (
+        *(
+            Caution(
+                kind="range",
+                line=Name("range", owner=one.sensor),
+                text=sentence(
+                    "conditions.range_needed", sensor=one.sensor, needed=one.shown
+                ),
+            )
+            for one in _peaks(case)
+        ),
+        *(
+            Caution(
+                kind=SATURATES,
+                line=Name("range", owner=one.peak.sensor),
+                text=one.said,
+            )
+            for one in asked
+        ),
+        *(
+            one
+            for device in case.devices
+            for own in [_unusual(device, case.catalogue)]
+            for one in (*(x for x in own if x.line not in stands), *_aside(device))
+        ),
+        *(
+            one
+            for sensor in case.there
+            for line in sensor.lines
+            for one in _in_use(case, Name(line.name, owner=sensor.kind), line)
+        ),
+    )
+
+
+def _in_use(case: Case, name: Name, line: ErrorLine) -> Iterator[Caution]:
+    """Yield what a line that is given leaves open in the use that is stated."""
     stated = stated_of(case.procedure) if case.is_later else {}
-    for sensor in case.there:
-        for line in sensor.lines:
-            name = Name(line.name, owner=sensor.kind)
-            key = USE_OF.get(line.name, "")
-            is_idle = key in stated and not stated[key].u.any() and line.u.any()
-            if is_idle and key not in _exercised_in_test(case):
-                found.append(_idle(name, line, key))
-            if case.mission is not None:
-                found += _open_lines(name, line)
-            felt = stated.get("temperature")
-            if felt is not None and felt.u.any() and _includes(line, "temperature"):
-                found.append(
-                    Caution(
-                        kind="temperature",
-                        line=name,
-                        text=note(
-                            "{line} includes what temperature does, in the range of "
-                            "its sheet: see whether {temperature} is in it",
-                            line=line_note(name),
-                            temperature=felt.printed,
-                        ),
-                    )
-                )
-            time = time_of(line.horizon)
-            age = stated.get("age")
-            if (
-                age is not None
-                and time is not None
-                and line.name not in AGEING.values()
-                and time.value < age.u[0]
-            ):
-                found.append(
-                    Caution(
-                        kind="horizon",
-                        line=name,
-                        text=note(
-                            "{line} is of {time}, and the use is {age} after the "
-                            "calibration",
-                            line=line_note(name),
-                            time=time.printed,
-                            age=age.printed,
-                        ),
-                    )
-                )
-    return tuple(found)
+    key = USE_OF.get(line.name, "")
+    is_idle = key in stated and not stated[key].u.any() and line.u.any()
+    if is_idle and key not in _exercised_in_test(case):
+        yield Caution(
+            kind="not_exercised",
+            line=name,
+            text=sentence(
+                "conditions.not_exercised", line=name, printed=line.printed, use=key
+            ),
+        )
+    if case.mission is not None:
+        yield from _open_lines(name, line)
+    felt = stated.get("temperature")
+    if felt is not None and felt.u.any() and _includes(line, "temperature"):
+        yield Caution(
+            kind="temperature",
+            line=name,
+            text=sentence(
+                "conditions.includes_temperature", line=name, temperature=felt.printed
+            ),
+        )
+    time, age = time_of(line.horizon), stated.get("age")
+    if (
+        age is not None
+        and time is not None
+        and line.name not in AGEING.values()
+        and time.value < age.u[0]
+    ):
+        yield Caution(
+            kind="horizon",
+            line=name,
+            text=sentence(
+                "conditions.outlives", line=name, time=time.printed, age=age.printed
+            ),
+        )
 
 
 def _unusual(
@@ -1351,11 +1305,12 @@ def _unusual(
                     yield Caution(
                         kind="unusual",
                         line=name,
-                        text=note(
-                            FAR_BELOW if is_low else FAR_OVER,
-                            line=line_note(name),
+                        text=sentence(
+                            "conditions.far_off",
+                            line=name,
                             printed=line.printed,
                             other=(least if is_low else most).printed,
+                            is_low=is_low,
                         ),
                     )
             time = line.correlation_time
@@ -1363,11 +1318,8 @@ def _unusual(
                 yield Caution(
                     kind=NO_TIME,
                     line=name,
-                    text=note(
-                        "{line} has a correlation time of {time}, so that it acts as "
-                        "noise, and after a minute hardly at all",
-                        line=line_note(name),
-                        time=time_text(float(time.min())),
+                    text=sentence(
+                        "conditions.no_correlation", line=name, time=float(time.min())
                     ),
                 )
 
@@ -1389,55 +1341,24 @@ def _peaks(case: Case) -> tuple[Peak, ...]:
     )
 
 
-def _ranges_needed(case: Case) -> Iterator[Caution]:
-    """Yield what range is needed of triads that do not give theirs."""
-    for peak in _peaks(case):
-        yield Caution(
-            kind="range",
-            line=Name("range", owner=peak.sensor),
-            text=note(
-                "the range of the {sensor} is not given, and {needed} are needed",
-                sensor=note(peak.sensor),
-                needed=f"±{peak.shown}",
-            ),
-        )
-
-
-def _saturations(case: Case) -> Iterator[Caution]:
-    """Yield the axes that a mission asks for more than they read."""
-    if case.mission is not None:
-        for one in saturations(case.sensors, case.mission):
-            yield Caution(
-                kind=SATURATES,
-                line=Name("range", owner=one.peak.sensor),
-                text=one.said,
-            )
-
-
 def ranges_of(case: Case) -> tuple[Condition, ...]:
     """Return the conditions on ranges that are not given, where they may not do.
 
     Some device of the catalogue that reads gravity reads less than is asked of it.
     """
-    found = []
-    for peak in _peaks(case):
-        unit, size = SHOWN[peak.sensor]
-        if peak.size > least_range(peak.sensor):
-            found.append(
-                Condition(
-                    kind="range",
-                    line=Name("range", owner=peak.sensor),
-                    below=None,
-                    unit=unit,
-                    si_per_unit=size,
-                    text=note(
-                        "if the {sensor} reads {needed} at least",
-                        sensor=note(peak.sensor),
-                        needed=f"±{peak.shown}",
-                    ),
-                )
-            )
-    return tuple(found)
+    return tuple(
+        Condition(
+            kind="range",
+            line=Name("range", owner=peak.sensor),
+            below=None,
+            unit=unit,
+            si_per_unit=size,
+            text=sentence("conditions.reads", sensor=peak.sensor, needed=peak.shown),
+        )
+        for peak in _peaks(case)
+        for unit, size in [SHOWN[peak.sensor]]
+        if peak.size > least_range(peak.sensor)
+    )
 
 
 @cache
@@ -1459,21 +1380,33 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
     What is expected of it and not given; what nothing exercises before somebody states
     the use; figures that hold over a time; what leaves a reader a choice.
     """
-    found: list[Caution] = []
-    for sensor in device.sensors:
-        if sensor.expected_missing:
-            found.append(_absent(sensor.expected_missing))
-        if sensor.range is None:
-            found.append(_without_range(sensor.kind))
-        for line in sensor.lines:
-            name = Name(line.name, owner=sensor.kind)
-            key = USE_OF.get(line.name, "")
-            if key and line.u.any():
-                found.append(_idle(name, line, key, is_stated=False))
-            elif key != "age" and time_of(line.horizon) is not None:
-                found.append(_lasting(name, line.horizon))
-            found += _open_lines(name, line)
-    return (*found, *_unusual(device), *_aside(device))
+    return (
+        *(one for sensor in device.sensors for one in _of_sheet(sensor)),
+        *_unusual(device),
+        *_aside(device),
+    )
+
+
+def _of_sheet(sensor: Sensor) -> Iterator[Caution]:
+    """Yield what a triad is not given, and what its lines leave open."""
+    if absent := sensor.expected_missing:
+        text = sentence("conditions.not_given", lines=absent)
+        yield Caution(kind="missing", line=absent[0], text=text)
+    if sensor.range is None:
+        text = sentence("conditions.no_range", sensor=sensor.kind)
+        yield Caution(kind="range", line=Name("range", owner=sensor.kind), text=text)
+    for line in sensor.lines:
+        name = Name(line.name, owner=sensor.kind)
+        key = USE_OF.get(line.name, "")
+        if key and line.u.any():
+            text = sentence(
+                "conditions.acts_at_use", line=name, printed=line.printed, use=key
+            )
+            yield Caution(kind="not_exercised", line=name, text=text)
+        elif key != "age" and time_of(line.horizon) is not None:
+            text = sentence("conditions.lasts", line=name, time=line.horizon)
+            yield Caution(kind="horizon", line=name, text=text)
+        yield from _open_lines(name, line)
 
 
 def _aside(device: Device) -> Iterator[Caution]:
@@ -1490,115 +1423,34 @@ def _aside(device: Device) -> Iterator[Caution]:
                     yield Caution(
                         kind="unusual",
                         line=line,
-                        text=note(
-                            "{name} {value} stands under figures, where no verdict "
-                            "counts it: if it is the {line}, enter it as that",
+                        text=sentence(
+                            "conditions.among_figures",
                             name=figure.name,
-                            line=line_note(line),
+                            line=line,
                             value=figure.value,
                         ),
                     )
 
 
-def _absent(names: Sequence[Name]) -> Caution:
-    """Say which lines a verdict has to be asked or bounded for."""
-    return Caution(
-        kind="missing",
-        line=names[0],
-        text=note(
-            "not given, and expected: {lines}; where one reaches a limit a verdict "
-            "is up to a bound on it, or asks for it",
-            lines=in_a_row([line_note(name) for name in names]),
-        ),
-    )
-
-
-def _without_range(kind: str) -> Caution:
-    """Say that nobody can tell whether a triad saturates."""
-    return Caution(
-        kind="range",
-        line=Name("range", owner=kind),
-        text=note(
-            "the range of the {sensor} is not given: whether a test or a mission goes "
-            "beyond it is not known",
-            sensor=note(kind),
-        ),
-    )
-
-
-def _lasting(name: Name, horizon: str) -> Caution:
-    """Say for how long a figure holds."""
-    return Caution(
-        kind="horizon",
-        line=name,
-        text=note(
-            "{line} is for use within {time} of a calibration",
-            line=line_note(name),
-            time=horizon,
-        ),
-    )
-
-
 def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
     """Yield what a line leaves to whoever reads it."""
     says = dict(line.says)
-    if line.name == NONLINEARITY and "full_scale" not in says:
-        yield Caution(
-            kind="full_scale",
-            line=name,
-            text=note(
-                "{line} has no full scale: no calibration takes it out, and at a later "
-                "turn-on it counts in full",
-                line=line_note(name),
-            ),
-        )
-    if line.name == SAMPLE_NOISE and "bandwidth" not in says:
-        yield Caution(
-            kind="bandwidth",
-            line=name,
-            text=note(
-                "{line} has no bandwidth: the rate of the procedure decides what it "
-                "does on a mission",
-                line=line_note(name),
-            ),
-        )
     is_floor = line.name == STABILITY and line.definition == ALLAN_FLOOR
-    if is_floor and line.correlation_time is None:
-        yield Caution(
-            kind="correlation_time",
-            line=name,
-            text=note(
-                "{line} is the floor of an Allan curve without a correlation time: "
-                "taken as flicker noise",
-                line=line_note(name),
-            ),
-        )
-
-
-def _idle(name: Name, line: ErrorLine, key: str, *, is_stated: bool = True) -> Caution:
-    """Say that a line is given and that nothing exercises it."""
-    return Caution(
-        kind="not_exercised",
-        line=name,
-        text=note(
-            "{line} {printed} is given and not exercised: the {use} stated is 0"
-            if is_stated
-            else "{line} {printed} acts by the {use} at use, which is to be stated",
-            line=line_note(name),
-            printed=line.printed,
-            use=note(key),
-        ),
-    )
+    is_open = {
+        "full_scale": line.name == NONLINEARITY and "full_scale" not in says,
+        "bandwidth": line.name == SAMPLE_NOISE and "bandwidth" not in says,
+        "correlation_time": is_floor and line.correlation_time is None,
+    }
+    for kind in filter(is_open.get, is_open):
+        text = sentence("conditions.left_open", line=name, what=kind)
+        yield Caution(kind=kind, line=name, text=text)
 
 
 def calibration_words(procedure: Procedure) -> str:
     """Say after which calibration a verdict is: 'as the maker calibrated it'."""
-    if procedure.formulas == FACTORY:
-        return note("as the maker calibrated it")
-    if procedure.formulas == NONE:
-        return note("as it was made, not calibrated")
-    return note(
-        "after the test {name} on {station}",
+    return sentence(
+        "conditions.calibration",
+        formulas=procedure.formulas,
         name=procedure.name,
         station=station_words(procedure),
     )
@@ -1608,53 +1460,4 @@ def station_words(procedure: Procedure) -> str:
     """Say at which station: 'an ideal table', or the name of its file."""
     if procedure.station_origin is not None:
         return Path(procedure.station_origin.file).stem
-    return (
-        note("an ideal table")
-        if IDEAL in procedure.assumptions
-        else note("the table of its file")
-    )
-
-
-def decision_words(requirement: Requirement) -> str:
-    """Say by which rule limits are held."""
-    return note(
-        "all limits together, with {coverage} %"
-        if requirement.decision == JOINT
-        else "each limit alone, at {coverage} % coverage",
-        coverage=f"{float(f'{100.0 * requirement.coverage:.6g}'):g}",
-    )
-
-
-def use_words(procedure: Procedure) -> str:
-    """Say in which use: 'in the environment of its test', or at which one."""
-    stated = stated_of(procedure)
-    if not stated:
-        return note("its environment not stated")
-    if all(not line.u.any() for line in stated.values()):
-        every = set(STATED) <= stated.keys()
-        return note(
-            "in the environment of its test"
-            if every
-            else "in the environment of its test, as far as it is stated"
-        )
-    says = {
-        "temperature": term("{use} from the temperature of the test"),
-        "vibration": term("{use} rms of vibration"),
-        "age": term("{use} after the calibration"),
-    }
-    fading = term(
-        "warming up by {by} to the temperature of the test (time constant {time})"
-    )
-    return in_a_row(
-        [
-            note(
-                fading,
-                by=f"{course.by:g} degC",
-                time=time_text(course.time),
-            )
-            if isinstance(course := line.course, Fading)
-            else note(says[key], use=line.printed)
-            for key, line in stated.items()
-            if line.u.any()
-        ]
-    )
+    return sentence("conditions.table", is_ideal=IDEAL in procedure.assumptions)

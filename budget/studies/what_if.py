@@ -34,21 +34,20 @@ import numpy as np
 from budget.distributions import normal_coverage_factor
 from budget.errors import CallError
 from budget.inputs.use import STATED
-from budget.language import axis_title, key_title, line_note, note, say
+from budget.language import axis_title, key_title, say
 from budget.methods.scaling import scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.results import BY_LAW
+from budget.sentences import sentence
 from budget.studies.conformity import margins
 from budget.studies.request import given_lines, limited_but_held
 from budget.studies.verdicts import (
-    CHOSEN,
     FAILS,
     MEETS,
     MEETS_IF,
     PREDICTED,
     SATURATES,
-    STAYS_BELOW,
     UNDECIDABLE,
     UNDECIDED,
     cautions_of,
@@ -410,20 +409,17 @@ def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) ->
 def _conditions(case: Case, margin: Margin) -> Iterator[str]:
     """Yield what a 'meets' holds if, whatever the sizes of the sources are."""
     if case.only is not None:
-        yield note(CHOSEN)
+        yield sentence("conditions.chosen")
         return
     for name in margin.missing:
         if name in margin.tops:
-            yield note(
-                STAYS_BELOW,
-                line=line_note(name),
-                bound=margin.tops[name].printed,
-            )
+            bound = margin.tops[name].printed
+            yield sentence("conditions.stays_below", line=name, bound=bound)
         elif name in margin.filled:
-            yield note("if {line} is what stands for it", line=line_note(name))
+            yield sentence("conditions.stands", line=name)
     uses = uses_of(case, margin)
     for key in dict.fromkeys(one.kind for one in uses if one.kind in STATED):
-        yield note("if the {key} at use changes nothing", key=note(key))
+        yield sentence("conditions.changes_nothing", use=key)
     yield from (one.text for one in uses if one.kind not in STATED)
 
 

@@ -234,6 +234,7 @@ def test_a_fact_that_a_text_drops_is_seen():
 OTHER_DOTS = {
     "text.partition('.')",
     "document.base_name.partition('.')",
+    "place.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",
     "f'{path}.{key}'",

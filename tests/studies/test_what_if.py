@@ -21,7 +21,6 @@ from budget.results import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
 from budget.studies.request import Analysis
-from budget.studies.verdicts import STAYS_BELOW
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
@@ -568,7 +567,7 @@ def test_a_missing_line_leaves_conditions(factor, verdict):
     assert (truth.verdict, outlook.verdict) == (verdict, verdict)
     assert_allclose(outlook.utilisation, truth.utilisation, rtol=1e-9)
     (sensor,) = model.sensors
-    assert [text.template for text in sensor.conditions] == [STAYS_BELOW]
+    assert [text.template for text in sensor.conditions] == ["conditions.stays_below"]
 
 
 def test_at_the_ceilings_it_uses_what_the_verdict_says():

@@ -16,7 +16,6 @@ from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
 from budget.inputs.records import FACTORY, UNCALIBRATED
-from budget.language import note
 from budget.model.norm import NormScheme
 from budget.model.response import SIGN, STATISTICS, statistics_of
 from budget.model.rotation import RotationScheme
@@ -25,6 +24,7 @@ from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -69,18 +69,12 @@ def refusals(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]
     Where nobody calibrates there is no test.
     """
     return tuple(
-        note(
-            "{device} cannot be tested by {procedure}: its {sensor} reads up to "
-            "{range} along {axis} (range), and '{where}' asks {peak}; take a procedure "
-            "that stays within (--procedure), another device, or, for a mission, "
-            "`budget mission --calibration factory`",
+        sentence(
+            "saturation.untestable",
             device=found.device,
             procedure=procedure.name,
-            sensor=note(found.peak.sensor),
+            peak=found.peak,
             range=found.range_shown,
-            axis=found.peak.axis,
-            where=found.peak.where,
-            peak=found.peak.shown,
         )
         for one in sensors
         if one.range is not None and calibrates(one.kind, procedure)
@@ -200,7 +194,9 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
 def removal(name: Name, procedure: Procedure) -> str:
     """Return what makes a source cancel in a test that is good at it; '' if nothing."""
     effect = source_of(name.owner, name.quantity).effect
-    return effect.removed_by_norm if procedure.formulas == NORM else effect.removed
+    is_by_norm = procedure.formulas == NORM
+    place = effect.removed_by_norm if is_by_norm else effect.removed
+    return sentence(place) if place else ""
 
 
 def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:

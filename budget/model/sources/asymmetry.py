@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.model.response import diagonal
 from budget.model.source import Disturbance, Given, Moment, Triad
 
@@ -82,7 +81,7 @@ class InputAsymmetry(Disturbance):
     static windows, and dk = Ka (b + earth rate)/(2 Omega). Noise is no part of x.
     """
 
-    needs = note("a bias or a scale factor that is estimated")
+    needs = "sources.estimate"
 
     def bind(self, given: Given, triad: Triad) -> Act:  # noqa: ARG002
         """Return Ka/2 times the weighed means of |x| over the windows."""

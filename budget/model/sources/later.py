@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
-from budget.language import note
 from budget.model.source import Change, Coefficient, Given
 
 if TYPE_CHECKING:
@@ -41,9 +40,7 @@ class OverTemperature(Change):
         'bias' or 'scale_factor'.
     """
 
-    needs = note(
-        "a later turn-on at another temperature (error reference next_turn_on)"
-    )
+    needs = "sources.other_temperature"
 
     target: str
 
@@ -60,9 +57,7 @@ class VibrationRectification(Change):
     """db = VRE a^2, a the rms of the vibration: during the test, and later."""
 
     target = "bias"
-    needs = note(
-        "a vibration (of the environment; one at test and mission alike cancels)"
-    )
+    needs = "sources.vibration"
 
     def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
         """Return the squares of both vibrations."""
@@ -81,7 +76,7 @@ class VibrationRectification(Change):
 class Vibration(Coefficient):
     """Rms of a vibration, which is known."""
 
-    needs = note("a sensor with vibration_rectification")
+    needs = "sources.rectification"
     partners = ("vibration_rectification",)
 
 
@@ -95,10 +90,7 @@ class Ageing(Change):
         'bias' or 'scale_factor'.
     """
 
-    needs = (
-        "an age of the calibration (age of the environment, --age), and the error "
-        "reference next_turn_on"
-    )
+    needs = "sources.age"
 
     target: str
 
@@ -114,7 +106,7 @@ class Ageing(Change):
 class Age(Coefficient):
     """Time from the calibration to the later turn-on, which is known."""
 
-    needs = note("a sensor with ageing")
+    needs = "sources.ageing"
     partners = tuple(AGEING.values())
 
 

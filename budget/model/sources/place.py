@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.earth import normal_gravity
-from budget.language import note
 from budget.model.source import GYRO, Disturbance, Given, Table, Triad
 from budget.model.sources.rotation import BASE, Rotation
 
@@ -28,7 +27,7 @@ class Gravity(Disturbance):
     dk = -dg/g and db = b dg/g of accelerometers: 1 mGal is -1.02075 ppm.
     """
 
-    needs = "accelerometers"
+    needs = "sources.accelerometers"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return M du, weighed."""
@@ -55,7 +54,7 @@ class Height(Gravity):
     To first order; the second is 7e-10 at 100 m. A measured gravity knows no height.
     """
 
-    needs = note("accelerometers, and gravity: normal")
+    needs = "sources.normal_gravity"
 
     def slope(self, place: Place) -> float:
         """Return the vertical gradient of normal gravity [1/s^2]."""
@@ -77,9 +76,7 @@ class Latitude(Gravity):
     gravity changes with it, to first order: dk = -1.4 ppm there.
     """
 
-    needs = note(
-        "gyros whose bias takes the earth rate, or accelerometers and gravity: normal"
-    )
+    needs = "sources.latitude"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return M du, weighed: a rotation for gyros, gravity for accelerometers."""
@@ -106,7 +103,7 @@ class EarthRate(Disturbance):
     15 deg/h for it, 0.0410686 deg/h too small, makes db_z = +0.0231064 deg/h.
     """
 
-    needs = note("gyros whose bias takes the earth rate")
+    needs = "sources.earth_rate"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return M du, weighed."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.model.response import diagonal
 from budget.model.source import Disturbance, Given, Moment, Triad
 
@@ -34,7 +33,7 @@ class Power(Disturbance):
         p, 2 or more.
     """
 
-    needs = note("a bias or a scale factor that is estimated without that order")
+    needs = "sources.order"
 
     order: int
 

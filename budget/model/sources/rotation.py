@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from budget.language import note
 from budget.model.source import Disturbance, Given, Table, Triad
 from budget.model.windows import CHAIN
 
@@ -60,12 +59,8 @@ class Rotation(Disturbance):
         0, 1, 2 for x, y, z of the frame there; of the base east, north and up.
     """
 
-    removed: ClassVar[str] = note(
-        "the 180 deg repeat of each face or by azimuths that balance"
-    )
-    removed_by_norm: ClassVar[str] = note(
-        "the norm of gravity, which knows no attitude"
-    )
+    removed: ClassVar[str] = "sources.balance"
+    removed_by_norm: ClassVar[str] = "sources.norm"
 
     joint: int
     axis: int
@@ -163,7 +158,7 @@ class Wobble(Rotation):
     it is in positioning, orthogonality and mount.
     """
 
-    needs = note("turns of the table")
+    needs = "sources.turns"
     removed = removed_by_norm = ""
 
     joint: int = BASE

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.model.noise import stationary, weighed
 from budget.model.response import BIAS
 from budget.model.source import (
@@ -57,7 +56,7 @@ WAVES = 300  # of a random temperature in the simulation
 class TemperatureCoefficient(Coefficient):
     """bT, bR or kT: change of a parameter with the temperature."""
 
-    needs = note("a temperature that changes (temperature of the environment)")
+    needs = "sources.temperature"
 
 
 @dataclass(frozen=True)
@@ -84,10 +83,7 @@ class OnTheWay(Effect):
 class History(Disturbance):
     """e_i = bT_i T + bR_i dT/dt + kT_i T x_i, x_i the input of the axis."""
 
-    needs = note(
-        "a sensor with a coefficient ({coefficients})",
-        coefficients=", ".join(COEFFICIENTS),
-    )
+    needs = "sources.coefficient"
 
     @abstractmethod
     def course(self, value: Array, given: Given, times: Array) -> Array:
@@ -280,10 +276,7 @@ class RandomTemperature(History):
 class TemperatureChange(Change):
     """Another temperature at the later turn-on than in the test: db = bT dT."""
 
-    needs = (
-        "a sensor with a coefficient of bias or scale factor, and the error reference "
-        "next_turn_on"
-    )
+    needs = "sources.later_coefficient"
 
     def gains(self, known: Mapping[str, Given]) -> Mapping[str, Gains]:
         """Return bT and kT at the later turn-on."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.model.source import Disturbance, Given, Table, Triad
 from budget.model.sources.turn_angle import TurnAngle
 from budget.model.windows import ANGLE, EDGES_BY_TIME
@@ -29,9 +28,7 @@ class RateError(Disturbance):
     whole angles, whose time is measured, there is nothing.
     """
 
-    needs = note(
-        "turns, and scale factors that are taken from the rate (scale_from: rate)"
-    )
+    needs = "sources.rate"
 
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return what turns do that are too large in proportion."""
@@ -122,7 +119,7 @@ class EdgeJitter(TurnAngle):
     before and after it moves, make nothing.
     """
 
-    needs = note("windows of turns that are cut by time (window: time)")
+    needs = "sources.timed_windows"
 
     def size(self, given: Given, scheme: Scheme | None) -> int:
         """Return the number of edges: a start and an end for each turn."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import note
 from budget.model.source import Disturbance, Given, Table, Triad
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ class TurnAngle(Disturbance):
     what was turned is found it is no error.
     """
 
-    needs = note("a gyro that is turned, or an accelerometer, about a level axis")
+    needs = "sources.level_turns"
 
     def size(self, given: Given, scheme: Scheme | None) -> int:
         """Return the number of turns."""
