@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 from budget.errors import NotThereError
-from budget.language import in_a_row, note
+from budget.language import note
 from budget.names import Name
+from budget.sentences import sentence
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
 
@@ -925,26 +926,13 @@ class FilledLine:
     @property
     def basis(self) -> str:
         """'of NAME', 'median of 3 designs', 'predicted from 9 devices of 4 designs'."""
-        if self.mode == "worst":
-            return note("of {owners}", owners=self.owners[0])
-        some = note(
-            "{devices} device" if self.devices == 1 else "{devices} devices",
+        ends = self.interval_90
+        return sentence(
+            "filled.basis",
+            owner=self.owners[0] if self.mode == "worst" else "",
             devices=self.devices,
-        )
-        if self.interval_90 is None:
-            return note(
-                "median of {designs} design"
-                if self.designs == 1
-                else "median of {designs} designs",
-                designs=self.designs,
-            )
-        low, high = (self._print(end) for end in self.interval_90)
-        return note(
-            "90 %: {low} to {high}; predicted from {some} of {designs} designs",
-            low=low,
-            high=high,
-            some=some,
             designs=self.designs,
+            ends=None if ends is None else tuple(map(self._print, ends)),
         )
 
     @property
@@ -952,20 +940,12 @@ class FilledLine:
         """The basis, with how many devices the worst is of."""
         if self.mode != "worst":
             return self.basis
-        return note(
-            "{basis}, the worst of {devices}",
-            basis=self.basis,
-            devices=self.devices,
-        )
+        return sentence("filled.worst", owner=self.owners[0], devices=self.devices)
 
     @property
     def words(self) -> str:
         """Say what was taken for it."""
-        return note(
-            "not given, {printed} taken ({origin})",
-            printed=self.printed,
-            origin=self.origin,
-        )
+        return sentence("filled.words", printed=self.printed, origin=self.origin)
 
     def _print(self, u: float) -> str:
         """Print a size to three digits."""
@@ -1259,8 +1239,12 @@ class Standing:
     @property
     def after(self) -> str:
         """Say what it is of: calibration, mission, use."""
-        mission = note("mission {name}", name=self.mission) if self.mission else ""
-        return in_a_row(filter(None, (self.calibration, mission, self.use)))
+        return sentence(
+            "conditions.after",
+            calibration=self.calibration,
+            mission=self.mission,
+            use=self.use,
+        )
 
     def beside(self, other: Standing, *, verdict: str) -> Standing:
         """Return how both stand as one: with the conditions and the cautions of both.

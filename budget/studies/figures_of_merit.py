@@ -9,7 +9,7 @@ from math import inf
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from budget.language import note
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -55,7 +55,7 @@ def over_cap(merit: str, text: str, cap: str) -> str:
     if have is None or most is None or have.unit != most.unit:
         return ""  # is_known tells the two apart
     return (
-        note("{merit} {text}, at most {cap}", merit=note(merit), text=text, cap=cap)
+        sentence("comparisons.over_cap", merit=merit, text=text, cap=cap)
         if have.value > most.value
         else ""
     )

@@ -18,11 +18,11 @@ from budget.errors import CallError
 from budget.inputs import load_catalogue
 from budget.inputs.records import ErrorLine
 from budget.inputs.specification import ALLAN_MINIMUM, CORRELATION_TIME
-from budget.language import note
 from budget.model.sources import ACCELEROMETER, FLICKER, GYRO, LOW_CUT
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
+from budget.sentences import sentence
 from budget.studies.grades import UNKNOWN, family, grade
 from budget.studies.prediction import joined, predict, stand_in
 from budget.ties import first_largest, settle
@@ -165,7 +165,7 @@ def fill(
         assumptions=(
             *device.assumptions,
             *(
-                note("{key}: {text}", key=told.expected, text=told.words)
+                sentence("assumed.of", key=told.expected, text=told.words)
                 for _, told in found.values()
             ),
         ),

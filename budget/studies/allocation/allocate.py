@@ -19,12 +19,12 @@ from budget.inputs import (
     load_requirement,
 )
 from budget.inputs.use import in_use
-from budget.language import note
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
 from budget.names import IMU, MISSION, Name
 from budget.results import input_files
+from budget.sentences import sentence
 from budget.studies.allocation.cases import (
     COVERAGE_OFF,
     NO_BOUNDS,
@@ -282,31 +282,21 @@ def allocate(
             *not_estimated(imus, how, wanted),
             *not_of_one_sensor(wanted),
             *(
-                note(
-                    "the requirement limits the {kind}, which is not given: nothing "
-                    "is allocated for it"
-                    if calibrates(kind, how)
-                    else "the requirement limits the {kind}, which is not calibrated: "
-                    "nothing is allocated for it",
-                    kind=note(kind),
+                sentence(
+                    "allocations.not_there",
+                    sensor=kind,
+                    is_calibrated=calibrates(kind, how),
                 )
                 for kind in missing
                 if kind not in {IMU, MISSION}
             ),
             *(
-                note(
-                    "the filter of the mission is retuned: what lines may be, all "
-                    "together or one alone, is with the filter of a unit that has it"
-                )
+                sentence("allocations.retuned")
                 for _ in [journey]
                 if journey is not None and journey.aiding
             ),
             *(
-                note(
-                    "a filter of your own is not the best one, and a smaller line may "
-                    "even do worse by it: what is allowed was judged at these values, "
-                    "and bounds nothing"
-                )
+                sentence("allocations.own_filter")
                 for _ in [journey]
                 if journey is not None and journey.filter is not None
             ),
@@ -503,77 +493,47 @@ def _warnings(
 ) -> tuple[str, ...]:
     """Say what a reader should know before believing the table."""
     given = {Name(line.name, owner=s.kind) for s in sensors for line in s.lines}
-    texts: list[str] = []
-    said: set[Name] = set()
-    named = (
-        ("held", sorted(bounds.held)),
-        ("bounded", sorted({*bounds.most, *bounds.least})),
-        ("given a cost", [] if costs is None else [c.source for c in costs.costs]),
-    )
-    for what, names in named:
-        texts.extend(
-            note(
-                "{name} was {what}, but the device does not give it: it plays no part",
-                name=name,
-                what=what,
-            )
+    named = {
+        "held": sorted(bounds.held),
+        "bounded": sorted({*bounds.most, *bounds.least}),
+        "given a cost": [] if costs is None else [c.source for c in costs.costs],
+    }
+    required = {kind for case in cases for kind in case.kinds}
+    texts = [
+        *(
+            sentence("allocations.unknown", name=name, what=what)
+            for what, names in named.items()
             for name in names
             if name not in given
-        )
-    required = {kind for case in cases for kind in case.kinds}
-    texts.extend(
-        note(
-            "the requirement has no limit for the {kind}: left as it is",
-            kind=note(sensor.kind),
-        )
-        for sensor in sensors
-        if sensor.kind not in required
-    )
+        ),
+        *(
+            sentence("allocations.no_limit", sensor=one.kind)
+            for one in sensors
+            if one.kind not in required
+        ),
+    ]
+    said: set[Name] = set()
     for case in cases:
         kind = case.owner
         if not case.task.free.any():
-            texts.append(
-                note(
-                    "no source of the {kind} is free: there is nothing to share",
-                    kind=note(kind),
-                )
-            )
+            texts.append(sentence("allocations.nothing_free", sensor=kind))
         elif case.s is not None and not case.task.binding(case.s).any():
             at_top = case.s >= case.task.high * (1.0 - TOUCHES)
             if at_top[case.task.free].all():
-                texts.append(
-                    note(
-                        "every source of the {kind} is at its ceiling before a "
-                        "limit is reached: raise --max to use what is left",
-                        kind=note(kind),
-                    )
-                )
+                texts.append(sentence("allocations.at_ceilings", sensor=kind))
         if case.solution is not None and not case.solution.is_optimal:
             texts.append(
-                note(
-                    "the least cost of the {kind} is sure to a part of "
-                    "{gap:.1g} only (residual {residual:.1g})",
-                    kind=note(kind),
+                sentence(
+                    "allocations.not_optimal",
+                    sensor=kind,
                     gap=case.solution.gap,
                     residual=case.solution.residual,
                 )
             )
         if case.by_law is not None:
-            texts.append(
-                note(
-                    "the {kind} was allocated by what Monte Carlo found: "
-                    "analyze the result with --method monte-carlo",
-                    kind=note(kind),
-                )
-            )
+            texts.append(sentence("allocations.by_trials", sensor=kind))
         missing = [name for one in case.sensors for name in one.expected_missing]
         if new := [name for name in missing if name not in said]:
             said.update(new)
-            lines = ", ".join(new)
-            texts.append(
-                note(
-                    "{lines}: not given, so nothing was allotted to it",
-                    lines=lines,
-                )
-            )
+            texts.append(sentence("allocations.missing", lines=new))
     return tuple(texts)

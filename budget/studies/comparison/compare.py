@@ -11,12 +11,12 @@ from budget.errors import CallError
 from budget.inputs import load_calibration, load_devices, load_mission, load_requirement
 from budget.inputs.load import several
 from budget.inputs.use import in_use
-from budget.language import note
 from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
-from budget.names import IMU, MISSION, by_group
+from budget.names import IMU, MISSION, Name, by_group
 from budget.results import Settings, input_file, named_files
+from budget.sentences import sentence
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.comparison.candidates import Candidate, missing_lines
@@ -61,8 +61,6 @@ if TYPE_CHECKING:
 LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
-ADVICE = note("near the limit: use --method monte-carlo")
-UNSURE = note("the law is not sure enough here: use --method monte-carlo")
 
 
 def compare(
@@ -270,12 +268,11 @@ def compare(
         pairs=pair_up(ranked, is_shared=bool(of_both)) if pairs else (),
         assumptions=(() if journey is None else journey.assumptions)
         + tuple(
-            note(
-                "{name}: {environment}.{age}: {line}",
-                name=procedure.name,
-                environment=ENVIRONMENT,
-                age=AGE,
-                line=line.printed,
+            sentence(
+                "comparisons.age",
+                procedure=procedure.name,
+                source=Name(AGE, owner=ENVIRONMENT),
+                age=line.printed,
             )
             for procedure in tests
             for line in procedure.environment
@@ -283,7 +280,7 @@ def compare(
         )
         + tuple(
             dict.fromkeys(
-                note("{name}: {text}", name=device.name, text=text)
+                sentence("assumed.of", key=device.name, text=text)
                 for device in (
                     *imus,
                     *(one.device for one in candidates if one.filling.lines),
@@ -361,13 +358,11 @@ def _check_names(procedures: Sequence[Procedure]) -> None:
 def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
+    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
     advice = ""
-    if finding.doubt is not None:
-        pass  # trials make no difference to what missing lines leave open
-    elif judged.trials is None and NEAR[0] <= judged.utilisation <= NEAR[1]:
-        advice = ADVICE
-    elif judged.trials is None and judged.is_open:
-        advice = UNSURE
+    # Trials make no difference to what missing lines leave open.
+    if finding.doubt is None and judged.trials is None and (is_near or judged.is_open):
+        advice = sentence("comparisons.advice", is_near=is_near)
     return DeviceVerdict(
         **vars(_entrant(one, finding.standing)),
         utilisation=judged.utilisation,
@@ -425,72 +420,49 @@ def _warnings(
     not_compared: Sequence[str],
 ) -> tuple[str, ...]:
     """Name what a reader could misread."""
-    found = []
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
-    if twice:
-        found.append(
-            note("devices of the same name: {twice}", twice=", ".join(sorted(twice)))
-        )
     present = _present(devices) - {MISSION}
-    found += [
-        note(
-            "the requirement has no limit for the {kind}, which some "
-            "devices have: it is not compared",
-            kind=note(kind),
-        )
-        for kind in sorted(present - set(requirement.kinds))
-        if MISSION not in requirement.kinds  # by which both are compared
-    ]
-    found += [
-        note(
-            "the requirement limits the {kind}, which no device here "
-            "has: its limits are not judged",
-            kind=note(kind),
-        )
-        for kind in not_compared
-        if kind not in {IMU, MISSION}
-    ]
-    if MISSION in requirement.kinds:
-        found += [
-            note(
-                "a mission takes gyro and accelerometer; not compared by it, as they "
-                "have no {kind}: {devices}",
-                devices=", ".join(names),
-                kind=note(kind),
-            )
-            for kind in SENSORS
-            if (
-                names := [
-                    device.name
-                    for device in devices
-                    if [one.kind for one in device.sensors] not in ([kind], [*SENSORS])
-                ]
-            )
+    by_mission = MISSION in requirement.kinds  # by which both sensors are compared
+    lacking = {
+        kind: [
+            device.name
+            for device in devices
+            if [one.kind for one in device.sensors] not in ([kind], [*SENSORS])
         ]
+        for kind in SENSORS
+    }
     impossible = {name for finding in findings for name in finding.impossible}
-    found += [
-        note(
-            "the limit on {name} is below what the procedure leaves "
-            "without any error source: no device can meet it",
-            name=name,
-        )
-        for name in sorted(impossible)
-    ]
-    doubts: dict[str, list[str]] = {}
+    doubts: dict[str, dict[str, None]] = {}
     for one, finding in zip(candidates, findings, strict=True):
-        for name in finding.doubtful:
-            doubts.setdefault(one.device.name, []).append(name)
-    found += [
-        note(
-            "the law of propagation is not confirmed by Monte Carlo "
-            "(JCGM 101, clause 8) for {device}, {fromkeys}: use "
-            "--method monte-carlo",
-            device=device,
-            fromkeys=", ".join(dict.fromkeys(names)),
-        )
-        for device, names in doubts.items()
-    ]
-    return tuple(found)
+        if finding.doubtful:
+            own = doubts.setdefault(one.device.name, {})
+            own |= dict.fromkeys(finding.doubtful)
+    return (
+        *([sentence("comparisons.same_name", names=sorted(twice))] if twice else []),
+        *(
+            sentence("comparisons.not_compared", sensor=kind)
+            for kind in sorted(present - set(requirement.kinds))
+            if not by_mission
+        ),
+        *(
+            sentence("comparisons.not_there", sensor=kind)
+            for kind in not_compared
+            if kind not in {IMU, MISSION}
+        ),
+        *(
+            sentence("comparisons.no_mission", sensor=kind, devices=names)
+            for kind, names in lacking.items()
+            if by_mission and names
+        ),
+        *(
+            sentence("comparisons.impossible", output=name)
+            for name in sorted(impossible)
+        ),
+        *(
+            sentence("comparisons.not_confirmed", device=device, outputs=tuple(names))
+            for device, names in doubts.items()
+        ),
+    )
 
 
 def _not_of_both(
@@ -499,12 +471,7 @@ def _not_of_both(
     """Say once of what limits on both triads together are not judged."""
     if pairs or any(len(device.sensors) < len(SENSORS) for device in devices):
         for parameters in by_group(shared.outputs):
-            yield note(
-                "the limit on {parameters} is on gyro and accelerometer together: it "
-                "is judged of a device that has both, not of one sensor, nor of "
-                "sensors of two devices, which budget analyze judges",
-                parameters=parameters,
-            )
+            yield sentence("comparisons.of_both", parameters=parameters)
 
 
 def _not_compared(
