@@ -19,6 +19,7 @@ from budget.report.tables import (
     print_contributions,
     print_given,
     print_share,
+    print_two_down,
     print_utilisation,
     round_error,
     round_uncertainty,
@@ -193,6 +194,15 @@ def test_an_error_does_not_round_across_its_limit(error, limit, printed):
 def test_given_figures_keep_their_digits(value, printed):
     """A figure that was given is not cut to two digits and gets no zeros."""
     assert print_given(value) == printed
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"),
+    [(1.299, "1.2"), (0.0999, "0.099"), (1290.0, "1200"), (1.3, "1.3"), (0.0, "0")],
+)
+def test_what_has_to_do_is_rounded_down(value, printed):
+    """Two digits, none of them up: what is printed keeps the limit."""
+    assert print_two_down(value) == printed
 
 
 def test_causes_add_up_to_the_whole():

@@ -46,14 +46,16 @@ def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]
 
     In brief it is the answer, and what a reader must know beside it.
     """
-    groups, title = group_tables(budget), headline(budget, None)
+    view = {"groups": group_tables(budget), "headline": headline(budget, None)}
+    verdict = verdict_sections(budget, _cards)
+    if brief:
+        return (*verdict, *_page("brief", budget, **view))
     judged = budget.assessment
-    first, rest = ("brief", ()) if brief else ("worst", ("groups",))
     return (
-        *verdict_sections(budget, _cards),
-        *_page(first, budget, groups=groups, headline=title),
-        *((limits_section(budget, judged),) if judged and not brief else ()),
-        *(one for page in rest for one in _page(page, budget, groups=groups)),
+        *verdict,
+        *_page("worst", budget, **view),
+        *((limits_section(budget, judged),) if judged else ()),
+        *_page("groups", budget, **view),
     )
 
 
@@ -90,7 +92,7 @@ def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
         "budget": budget,
         "assessment": budget.assessment,
         "mode": mode_sentence(budget.settings),
-        "matrices": [(kind, *_rounded(x)) for kind, x in budget.matrices.items()],
+        "matrices": [(key, x, *_rounded(x)) for key, x in budget.matrices.items()],
         "charts": [chart for chart in charts if chart],
         "not_given": not_given_lines(budget.could_widen, is_later=is_later),
         "settings": settings_lines(budget.settings),
@@ -103,10 +105,8 @@ def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
     return sections(f"analysis/{page}", **{**common, **view})
 
 
-def _rounded(
-    found: Compensation,
-) -> tuple[Compensation, list[list[Number]], list[list[Number]]]:
-    """Return T, then both forms of the bias, and their uncertainties, by rows."""
+def _rounded(found: Compensation) -> list[list[list[Number]]]:
+    """Return the rows of T, then both forms of the bias; and those of their u."""
     values, us = [], []
     for output, x, u in zip(
         found.outputs, found.value, found.standard_uncertainty, strict=True
@@ -116,8 +116,7 @@ def _rounded(
         values.append(round_error(float(x), float(u), output))
         us.append(bound_number(round_u(float(u), output), lower_bound=bound))
     places = range(0, len(values), len(AXES))
-    values, us = ([one[k : k + len(AXES)] for k in places] for one in (values, us))
-    return found, values, us
+    return [[one[k : k + len(AXES)] for k in places] for one in (values, us)]
 
 
 def verdict_sections(
