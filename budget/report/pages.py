@@ -9,10 +9,13 @@ that terminal, HTML and PDF show. What it may write:
     Words **bold** $n_x$ {{ u|number }} a paragraph, a formula, an exact number
     > Words                             a small paragraph
     - point   1. point                  listings
+    $$ n_x/m $$ words                   a displayed formula, and its number or what it
+                                        is of; those of one paragraph side by side
     Table: caption {:name wide}         what the table below it shows
     | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
-    | = title |                         in it, `{1.4}` for its weight; a group of rows
+    | = title |                         in it, `{1.4}` for its weight, `{code}` for its
+                                        kind, or both; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
     {{ block(x) }}                      a block that is made elsewhere: a figure; in a
@@ -32,9 +35,9 @@ from __future__ import annotations
 
 import re
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import groupby
+from itertools import groupby, pairwise
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +50,8 @@ from budget.report.blocks import (
     Card,
     Cell,
     Column,
+    Equation,
+    Equations,
     Listing,
     Pairs,
     Panel,
@@ -84,12 +89,12 @@ if TYPE_CHECKING:
 
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
 _NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
-_HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w.]+)\})?$", re.DOTALL)
+_HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w. ]+)\})?$", re.DOTALL)
 # What Markdown reads, or a mark, in words that a template has printed.
 _READ = re.compile(rf"[*\\`$|#>{EXACT}{OBJECT}{BENEATH}{BAR}]|^\s*[-+\d]", re.MULTILINE)
 _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
-_FORMULA = re.compile(r"\$([^$]+)\$")
+_FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
 TABLE, BRIEF = "Table: ", "Brief: "
 _objects: ContextVar[list[Block | Math]] = ContextVar("objects")
@@ -184,12 +189,17 @@ def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
     """Read the Markdown of a page; a value in a formula is a part of it."""
     from markdown_it.tree import SyntaxTreeNode
 
+    return SyntaxTreeNode(_reader().parse(_FORMULA.sub(_formula, text))).children
+
+
+def _formula(found: re.Match[str]) -> Marked:
+    """Put a formula of a page into it; between double signs it is displayed."""
     from budget.report.formulas import Math
 
-    text = _FORMULA.sub(
-        lambda one: _block(Math(source=shown(" ".join(one[1].split())))), text
-    )
-    return SyntaxTreeNode(_reader().parse(text)).children
+    math = Math(source=shown(" ".join(found[2].split())))
+    if found[1] == "$":
+        return _block(math)
+    return _block(Equations(equations=(Equation(math=math),)))
 
 
 def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]) -> Page:
@@ -266,7 +276,9 @@ def _blocks(
                 caption = node
             case "paragraph":
                 words = _words(node, objects)
-                if len(words) == 1 and isinstance(words[0], Block):
+                if isinstance(words[0], Equations):
+                    yield Equations(equations=tuple(_equations(words)))
+                elif len(words) == 1 and isinstance(words[0], Block):
                     yield words[0]
                 else:
                     yield Paragraph(words=words)
@@ -289,6 +301,14 @@ def _blocks(
             case "table":
                 yield _table(node, caption)
                 caption = None
+
+
+def _equations(words: Words) -> Iterator[Equation]:
+    """Yield displayed formulas, each with the words behind it as its number."""
+    for one, behind in pairwise((*words, "")):
+        if isinstance(one, Equations):
+            said = behind.strip() if isinstance(behind, str) else ""
+            yield from (replace(own, number=said or own.number) for own in one.equations)
 
 
 def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
@@ -328,10 +348,14 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
     found = _HEAD.match(_text(node))
     text, mark, more = found.groups() if found else ("", None, None)
     align = str(node.attrs.get("style", "")).removeprefix("text-align:")
-    kind = KINDS.get(align, "text")
-    if more and not more[0].isdigit():
-        return Column(head=text, kind=more), bool(mark)
-    return Column(head=text, kind=kind, weight=float(more or 1.0)), bool(mark)
+    column = Column(head=text, kind=KINDS.get(align, "text"))
+    for one in (more or "").split():
+        column = (
+            replace(column, weight=float(one))
+            if one[0].isdigit()
+            else replace(column, kind=one)
+        )
+    return column, bool(mark)
 
 
 def _cell(node: SyntaxTreeNode) -> Cell:
