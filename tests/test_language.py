@@ -38,7 +38,6 @@ from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.page import SCRIPTS, script_messages
 from budget.report.pages import messages
-from budget.report.wording import say_words
 from budget.resources import shipped
 from zhao_2019.printed import load_paper
 
@@ -48,7 +47,7 @@ KEPT = re.compile(
     r"[\w-]+\.yaml|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
 )
 SIGNS = re.compile(r"\{.*?\}|\b\w_\w+|^ (?:arcsec|deg/h|mg)$")
-SAYING = {"say", "say_words", "counted", "term", "note"}
+SAYING = {"say", "counted", "term", "note"}
 
 
 def messages_of(tree):
@@ -56,8 +55,7 @@ def messages_of(tree):
     own = {
         alias.asname or alias.name
         for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom)
-        and node.module in {"budget.language", "budget.report.wording"}
+        if isinstance(node, ast.ImportFrom) and node.module == "budget.language"
         for alias in node.names
     } | {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
     own &= SAYING
@@ -263,13 +261,6 @@ def test_keys_are_words_of_the_language():
         for key in ("segments", "alignment", "altitude", "heading"):
             assert not re.search("[a-z]", key_title(f"mission.{key}"))
     assert key_title(Name("bias_stability", owner="gyro")) == "gyro bias stability"
-
-
-def test_words_with_formulas_come_in_the_order_of_the_language():
-    """Parts that are no text keep what they are, wherever the template has them."""
-    with speaking("zh"):
-        assert say_words("{low} to {high}", low="1", high="2") == ("1", " 至 ", "2")
-    assert say_words("{low} to {high}", low="1", high="2") == ("1", " to ", "2")
 
 
 def test_a_note_is_english_and_can_be_said():
