@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from jinja2.sandbox import SandboxedEnvironment
 
 PAGE = "pages/{}.md.j2"  # the file of a page among the templates
-_PLACE = re.compile(r"\w+")
+_PLACE = re.compile(r"([^.]+)\.(\w+)")
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
 
 
@@ -99,7 +99,7 @@ def _filled(place: str, parts: Mapping[str, object]) -> str:
     if own_templates() is None:
         said = str(_shipped(place, spoken())(**parts))
     else:
-        page, _ = _PLACE.findall(place)
+        ((page, _),) = _PLACE.findall(place)
         with telling(PAGE.format(page)):
             said = str(_macro(place, spoken())(**parts))
     return " ".join(said.split()) if "\n" in said else said
@@ -107,7 +107,7 @@ def _filled(place: str, parts: Mapping[str, object]) -> str:
 
 def _macro(place: str, language: str) -> Callable[..., str]:
     """Return a macro in a language, one's own where there is one."""
-    page, name = _PLACE.findall(place)
+    ((page, name),) = _PLACE.findall(place)
     template = _environment(own_templates()).get_template(PAGE.format(page))
     macro: Callable[..., str] = getattr(module_of(template, language), name)
     return macro

@@ -20,7 +20,7 @@ from zhao_2019.printed import load_paper
 
 CATALOGUES = [language for language in LANGUAGES if language != "en"]
 SIGNS = re.compile(r"\{.*?\}|\b\w_\w+|^ (?:arcsec|deg/h|mg)$")
-SAYING = {"say", "say_words", "counted", "term", "note"}
+SAYING = {"say", "counted", "term", "note"}
 
 
 def messages_of(tree):
@@ -28,8 +28,7 @@ def messages_of(tree):
     own = {
         alias.asname or alias.name
         for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom)
-        and node.module in {"budget.language", "budget.report.wording"}
+        if isinstance(node, ast.ImportFrom) and node.module == "budget.language"
         for alias in node.names
     } | {node.name for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)}
     own &= SAYING

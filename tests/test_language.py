@@ -39,7 +39,6 @@ from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Table
 from budget.report.notebook import budget_html, budget_latex, budget_markdown
 from budget.report.page import SCRIPTS, script_messages
-from budget.report.wording import say_words
 
 # What stays as it is: units, names, keys of files, options and abbreviations.
 KEPT = re.compile(
@@ -164,13 +163,6 @@ def test_keys_are_words_of_the_language():
         for key in ("segments", "alignment", "altitude", "heading"):
             assert not re.search("[a-z]", key_title(f"mission.{key}"))
     assert key_title(Name("bias_stability", owner="gyro")) == "gyro bias stability"
-
-
-def test_words_with_formulas_come_in_the_order_of_the_language():
-    """Parts that are no text keep what they are, wherever the template has them."""
-    with speaking("zh"):
-        assert say_words("{low} to {high}", low="1", high="2") == ("1", " 至 ", "2")
-    assert say_words("{low} to {high}", low="1", high="2") == ("1", " to ", "2")
 
 
 def test_a_note_is_english_and_can_be_said():

@@ -18,8 +18,10 @@ that terminal, HTML and PDF show. What it may write:
                                         kind, or both; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
+    Empty: words                        that there are no points of a listing, muted
     {{ block(x) }}                      a block that is made elsewhere: a figure; in a
                                         sentence a formula
+    {{ sections(x) }}                   sections that are made elsewhere
     {% call abreast(3) %} {% endcall %} panels and figures in it beside each other
 
 A whole document begins with `# Title`, a listing of facts, the headline, the summary
@@ -34,6 +36,7 @@ has no access to anything else.
 from __future__ import annotations
 
 import re
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import cache
@@ -69,6 +72,7 @@ from budget.report.writing import (
     FILTERS,
     OBJECT,
     OF,
+    WIDE,
     Marked,
     marked,
     shown,
@@ -86,6 +90,9 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Words
     from budget.report.formulas import Math
+    from budget.results import Standing
+
+    Object = Block | Math | Section  # what is made elsewhere
 
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
 _NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
@@ -96,8 +103,8 @@ _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
-TABLE, BRIEF = "Table: ", "Brief: "
-_objects: ContextVar[list[Block | Math]] = ContextVar("objects")
+TABLE, BRIEF, EMPTY = "Table: ", "Brief: ", "Empty: "
+_objects: ContextVar[list[Object]] = ContextVar("objects")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,14 +137,23 @@ def blocks(page: str, macro: str = "", /, **view: object) -> tuple[Block, ...]:
         return tuple(_panels(*_filled(page, view, macro)))
 
 
+def cards(page: str, macro: str = "", /, **view: object) -> tuple[Card, ...]:
+    """Return the cards of a page without sections, or of one of its macros."""
+    with telling(_file(page)):
+        return tuple(_cards(*_filled(page, view, macro)))
+
+
 def line(page: str, macro: str = "", /, **view: object) -> str:
     """Return the words of a page, or of one of its macros, as plain text."""
     with telling(_file(page)):
-        text = _printed(page, view, macro)
-        if _READ.search(text) is None:
-            return shown(" ".join(re.split("[ \n]+", text.strip(" \n"))))
-        nodes, _ = _filled(page, view, macro)
-        return " ".join(map(_text, nodes))
+        return _plain(_printed(page, view, macro))
+
+
+def lines(page: str, macro: str = "", /, **view: object) -> tuple[str, ...]:
+    """Return the words of each line of a page, or of one of its macros, as text."""
+    with telling(_file(page)):
+        rows = _printed(page, view, macro).split("\n")
+        return tuple(filter(None, map(_plain, rows)))
 
 
 def runs(page: str, macro: str = "", /, **view: object) -> Words:
@@ -167,12 +183,27 @@ def _file(page: str) -> str:
 
 def _filled(
     page: str, view: Mapping[str, object], macro: str = ""
-) -> tuple[Sequence[SyntaxTreeNode], Sequence[Block | Math]]:
+) -> tuple[Sequence[SyntaxTreeNode], Sequence[Object]]:
     """Fill a page, or a macro of it, in with values, and read it."""
-    objects: list[Block | Math] = []
+    with _gathering() as objects:
+        return _nodes(_printed(page, view, macro)), objects
+
+
+def _plain(text: str) -> str:
+    """Return what has been printed as plain text in a line."""
+    if _READ.search(text) is None:
+        return shown(" ".join(re.split("[ \n]+", text.strip(" \n"))))
+    with _gathering():
+        return " ".join(map(_text, _nodes(text)))
+
+
+@contextmanager
+def _gathering() -> Iterator[list[Object]]:
+    """Gather what is made elsewhere and put into a page."""
+    objects: list[Object] = []
     token = _objects.set(objects)
     try:
-        return _nodes(_printed(page, view, macro)), objects
+        yield objects
     finally:
         _objects.reset(token)
 
@@ -202,11 +233,10 @@ def _formula(found: re.Match[str]) -> Marked:
     return _block(Equations(equations=(Equation(math=math),)))
 
 
-def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]) -> Page:
+def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]) -> Page:
     """Return what stands before the first section, and the sections."""
     (_, head), *_ = _under({"h2"}, nodes)
-    (_, own), *cards = _under({"h3"}, head)
-    title, *rest = own
+    (_, (title, *rest)), *_ = _under({"h3"}, head)
     facts = [one for one in rest if one.type == "bullet_list"]
     headline, *said = [one for one in rest if one.type == "paragraph"]
     return Page(
@@ -214,21 +244,30 @@ def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]) -> P
         facts=tuple(_text(one) for listing in facts for one in listing.children),
         headline=_text(headline),
         summary=tuple(word for one in said for word in _words(one, objects)),
-        cards=tuple(
-            Card(title=_text(of), lines=tuple(_words(one, objects) for one in lines))
-            for of, lines in cards
-            if of is not None
-        ),
+        cards=tuple(_cards(head, objects)),
         sections=tuple(_sections(nodes[len(head) :], objects)),
     )
 
 
+def _cards(
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]
+) -> Iterator[Card]:
+    """Yield the cards that headings of the third level begin, a paragraph a line."""
+    for title, own in _under({"h3"}, nodes):
+        if title is not None:
+            rows = tuple(_words(one, objects) for one in own)
+            yield Card(title=_text(title), lines=rows)
+
+
 def _sections(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]
 ) -> Iterator[Section]:
     """Yield the sections that headings of the second level begin."""
     for title, own in _under({"h2"}, nodes):
         if title is None:
+            continue
+        if isinstance(made := next(iter(_words(title, objects)), None), Section):
+            yield made
             continue
         said, name, how = _named(title)
         brief = [one for one in own if _raw(one).startswith(BRIEF)]
@@ -244,7 +283,7 @@ def _sections(
 
 
 def _panels(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]
 ) -> Iterator[Block]:
     """Yield blocks, those below a heading of the third level in a panel."""
     for title, own in _under({"h3", "hr"}, nodes):
@@ -266,7 +305,7 @@ def _under(
 
 
 def _blocks(
-    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Block | Math]
+    nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]
 ) -> Iterator[Block]:
     """Yield the block of each node; a caption is of the table below it."""
     caption: SyntaxTreeNode | None = None
@@ -275,13 +314,7 @@ def _blocks(
             case "paragraph" if _raw(node).startswith(TABLE):
                 caption = node
             case "paragraph":
-                words = _words(node, objects)
-                if isinstance(words[0], Equations):
-                    yield Equations(equations=tuple(_equations(words)))
-                elif len(words) == 1 and isinstance(words[0], Block):
-                    yield words[0]
-                else:
-                    yield Paragraph(words=words)
+                yield _paragraph(node, objects)
             case "blockquote":
                 for one in node.children:
                     yield Paragraph(words=_words(one, objects), small=True)
@@ -308,7 +341,21 @@ def _equations(words: Words) -> Iterator[Equation]:
     for one, behind in pairwise((*words, "")):
         if isinstance(one, Equations):
             said = behind.strip() if isinstance(behind, str) else ""
-            yield from (replace(own, number=said or own.number) for own in one.equations)
+            yield from (
+                replace(own, number=said or own.number) for own in one.equations
+            )
+
+
+def _paragraph(node: SyntaxTreeNode, objects: Sequence[Object]) -> Block:
+    """Return words, or the block alone that stands in their place."""
+    if _raw(node).startswith(EMPTY):
+        return Listing(items=(), empty=_text(node).removeprefix(EMPTY))
+    words = _words(node, objects)
+    if words and isinstance(words[0], Equations):
+        return Equations(equations=tuple(_equations(words)))
+    if len(words) == 1 and isinstance(words[0], Block):
+        return words[0]
+    return Paragraph(words=words)
 
 
 def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
@@ -401,7 +448,7 @@ def _raw(node: SyntaxTreeNode) -> str:
     return "".join(child.content for child in node.children)
 
 
-def _words(node: SyntaxTreeNode, objects: Sequence[Block | Math] = ()) -> Any:  # noqa: ANN401 - words, and marks of cells
+def _words(node: SyntaxTreeNode, objects: Sequence[Object] = ()) -> Any:  # noqa: ANN401 - words, and marks of cells
     """Return the words of a node; numbers and bold ones as runs, marks as they are."""
     found: list[Any] = []
     for text, strong in _inline(node):
@@ -475,9 +522,15 @@ def _environment_of(_: Path | None) -> SandboxedEnvironment:
         "gettext": _said,
         "ngettext": _counted,
         "block": _block,
+        "sections": _made,
         "abreast": _abreast,
     }
-    environment.filters |= {**FILTERS, "runs": _in_runs, "by": _by}
+    environment.filters |= {
+        **FILTERS,
+        "runs": _in_runs,
+        "by": _by,
+        "standing": _standing,
+    }
     return environment
 
 
@@ -504,7 +557,7 @@ def _said(message: str, /, **parts: object) -> Marked:
 
     What a template has made of them has no blanks around it.
     """
-    said = template(message_key(message))
+    said = template(message_key(message)).translate(WIDE)
     return Marked(_PLACES.sub(lambda one: _part(parts[one[1]]), said))
 
 
@@ -518,10 +571,16 @@ def _counted(one: str, many: str, number: int, /, **parts: object) -> Marked:
     return _said(one if number == 1 else many, **parts)
 
 
-def _block(value: Block | Math) -> Marked:
+def _block(value: Object) -> Marked:
     """Put a block, or a formula, that is made elsewhere into the page."""
     _objects.get().append(value)
     return Marked(f"{OBJECT}{len(_objects.get()) - 1}{END}")
+
+
+def _made(found: Section | Iterable[Section] | None) -> Marked:
+    """Put sections that are made elsewhere into the page."""
+    own = (found,) if isinstance(found, Section) else found or ()
+    return Marked("\n".join(f"## {_block(one)}" for one in own))
 
 
 def _abreast(columns: int = 2, *, caller: Callable[[], str]) -> Marked:
@@ -538,6 +597,11 @@ def _in_runs(
     key = attrgetter(by) if isinstance(by, str) else by
     for common, own in groupby(records, key):
         yield common, list(own)
+
+
+def _standing(standing: Standing) -> tuple[str, ...]:
+    """Return what a verdict stands on, and what qualifies it, in words."""
+    return lines("standing", "stands", standing=standing)
 
 
 def _by(records: Iterable[Any], by: str) -> list[tuple[object, list[Any]]]:

@@ -8,30 +8,47 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from budget.language import Note, key_title, say, words
-from budget.names import time_text
+from budget.language import Note, key_title, say, term, words
+from budget.names import by_group, time_text
 from budget.report.tables import (
     DASH,
     DIGITS,
+    as_limited,
     full_title,
     join_outputs,
+    largest_error,
+    of_the_variance,
+    print_chance,
     print_count,
     print_coverage,
+    print_decimals,
     print_degrees_of_freedom,
     print_divisor,
     print_given,
+    print_most,
+    print_probability,
     print_share,
     print_stop,
     print_utilisation,
     round_uncertainty,
     source_title,
+    used_part,
 )
-from budget.report.wording import VERDICTS, capital, listed, standing_lines
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from budget.report.tables import Number
+
+VERDICTS = {
+    "meets": term("MEETS"),
+    "meets_if": term("MEETS IF"),
+    "fails": term("FAILS"),
+    "undecided": term("UNDECIDED"),
+    "undecidable": term("UNDECIDABLE"),
+    "predicted": term("PREDICTED"),
+}
 
 # Marks of what a value is, in characters of private use; none of them is Markdown.
 EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
@@ -39,8 +56,12 @@ EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
 _PLANE = 0xF0000
 _MARKS = f"{EXACT}{OF}{OBJECT}{BENEATH}{BAR}{END}"
 _BREAKS = " \t\n\v\f\r\x1c\x1d\x1e\x85\u2028\u2029"
-_HIDDEN = {ord(one): _PLANE + ord(one) for one in string.punctuation + _BREAKS + _MARKS}
+# Marks of Chinese sentences: beside one of them `**` would not end what is bold.
+_WIDE = "\u201c\u201d\u3001\u3002\u300a\u300b\uff01\uff08\uff09\uff0c\uff1a\uff1b\uff1f"
+_SET_ASIDE = string.punctuation + _BREAKS + _MARKS + _WIDE
+_HIDDEN = {ord(one): _PLANE + ord(one) for one in _SET_ASIDE}
 _SHOWN = {there: here for here, there in _HIDDEN.items()}
+WIDE = {ord(one): _PLANE + ord(one) for one in _WIDE}
 
 
 class Marked(Markup):
@@ -106,6 +127,26 @@ def shown(text: str) -> str:
     return text.translate(_SHOWN)
 
 
+def capital(text: str) -> str:
+    """Begin a text with a capital; the rest stays as it is."""
+    return text[:1].upper() + text[1:]
+
+
+def listed(texts: Sequence[str]) -> str:
+    """Write words as a sentence lists them: 'a, b and c'."""
+    *most, last = texts
+    if not most:
+        return last
+    return say("{most} and {last}", most=say(", ").join(most), last=last)
+
+
+def _rounded(number: Number | None, unit: str = "") -> str:
+    """Return a rounded number with its exact value, and its unit; '' of none."""
+    if number is None:
+        return ""
+    return exact(f"{number.text} {unit}".rstrip(), number.exact)
+
+
 def _commas(texts: Iterable[str], mark: str = ", ") -> str:
     """Put texts in a row, with a mark of the language between them."""
     return say(mark).join(texts)
@@ -117,9 +158,15 @@ def _each(records: Iterable[Any], write: Callable[[Any], Any]) -> list[Any]:
     return [one.strip() if isinstance(one, str) else one for one in written]
 
 
-def _semicolons(lines: Markup) -> Markup:
+def _lines(text: Markup) -> list[Markup]:
+    """Return what stands on the lines of a template, without blank ones."""
+    return [line for one in text.splitlines() if (line := one.strip())]
+
+
+def _semicolons(lines: Markup | Iterable[Markup]) -> Markup:
     """Put what stands on lines of a template in a row."""
-    return Marked(say("; ")).join(filter(None, map(Markup.strip, lines.splitlines())))
+    texts = _lines(lines) if isinstance(lines, Markup) else lines
+    return Marked(say("; ")).join(texts)
 
 
 FILTERS: Mapping[str, Callable[..., object]] = {
@@ -129,6 +176,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "bar": bar,
     "strong": strong,
     "capital": capital,
+    "lower_first": lambda text: text[:1].lower() + text[1:],
     "commas": _commas,
     "listed": lambda texts: Marked(listed([marked(one) for one in texts])),
     "said": say,
@@ -137,7 +185,6 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "line": source_title,
     "outputs": join_outputs,
     "verdict": lambda word: say(VERDICTS[word]),
-    "standing": standing_lines,
     "given": lambda value, digits=3: print_given(value, digits=digits),
     "coverage": print_coverage,
     "used": print_utilisation,
@@ -147,7 +194,18 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "stop": print_stop,
     "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
     "thousands": print_count,
-    "rounded": lambda one: "" if one is None else exact(one.text, one.exact),
+    "rounded": _rounded,
+    "decimals": print_decimals,
+    "chance": print_chance,
+    "probability": print_probability,
+    "at_most": print_most,
+    "as_limited": as_limited,
+    "largest_error": largest_error,
+    "used_part": used_part,
+    "of_the_variance": lambda titles, shares: of_the_variance(
+        [*zip(titles, shares, strict=True)]
+    ),
+    "by_group": by_group,
     "owned": full_title,
     "time": time_text,
     "two": round_uncertainty,
@@ -156,6 +214,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "share": print_share,
     "of_square": print_part,
     "share_bar": share_bar,
+    "lines": _lines,
     "semicolons": _semicolons,
     "each": _each,
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from jinja2 import TemplateError
+from markupsafe import Markup
 
 from budget.errors import OutputError
 from budget.language import speaking
@@ -17,9 +18,11 @@ from budget.report.blocks import (
     Panel,
     Paragraph,
     Run,
+    Section,
     Table,
 )
 from budget.report.formulas import Math
+from budget.report.writing import marked
 
 # What Markdown, HTML and Jinja2 would read.
 HOSTILE = (
@@ -146,6 +149,26 @@ def test_a_block_that_is_made_elsewhere_stands_where_it_is_named(page):
     assert section.blocks == (Paragraph(words=("Before",)), figure)
 
 
+def test_sections_that_are_made_elsewhere_stand_where_they_are_named(page):
+    """One, several or none, between those of the page."""
+    made = [Section(name=one, title=one, blocks=()) for one in "abc"]
+    found = page(
+        "## T {:t}\n\nWords\n\n{{ sections(x) }}\n{{ sections(none) }}\n"
+        "{{ sections(y) }}\n## U {:u}\n\nEnd.\n",
+        x=made[0],
+        y=made[1:],
+    )
+    assert [one.name for one in found] == ["t", "a", "b", "c", "u"]
+    assert found[1:4] == (*made,)
+    assert found[0].blocks == (Paragraph(words=("Words",)),)
+
+
+def test_a_listing_without_points_says_what_that_means(page):
+    """In the place of points, in words."""
+    (section,) = page("## T {:t}\n\nEmpty: none of {{ x }}\n", x="*y*")
+    assert section.blocks == (Listing(items=(), empty="none of *y*"),)
+
+
 def test_a_line_ends_a_panel(page):
     """What follows it belongs to the section; a value of three dashes is none."""
     (section,) = page("## T {:t}\n\n### Part\n\n{{ x }}\n\n---\n\nBelow it.\n", x="---")
@@ -179,6 +202,39 @@ def test_sentences_are_said_in_the_language_spoken(page):
     assert section.blocks[0] == Paragraph(words=("x。",))
     (section,) = page(text, x="x", n=2)
     assert section.blocks[1] == Paragraph(words=("2 things",))
+
+
+def test_words_with_formulas_come_in_the_order_of_the_language(page):
+    """Parts that are no text keep what they are, wherever the sentence has them."""
+    page(
+        "{% macro m(low, high) %}{% trans low=block(low), high=high|exact(2.5) %}"
+        "{{ low }} to {{ high }}{% endtrans %}{% endmacro %}\n"
+    )
+    low, high = Math(source="n_x"), Run(text="2", exact=2.5)
+    for language, to in (("zh", " \u81f3 "), ("en", " to ")):
+        with speaking(language):
+            assert pages.runs("own", "m", low=low, high="2") == (low, to, high)
+
+
+def test_bold_words_end_at_a_full_stop_of_any_language(page):
+    """Where no blank follows it: that of a Chinese sentence, or of a value."""
+    page("{% macro m(x) %}**{{ x }}**{{ x }}{% endmacro %}\n")
+    text = "x\u3002"
+    assert pages.runs("own", "m", x=text) == (Run(text=text, strong=True), text)
+
+
+def test_each_line_of_a_macro_is_a_text(page):
+    """Blank ones are none, and no value breaks a line."""
+    page(
+        "{% macro m(x) %}\n{{ x }}\n\n{% for one in x|lines %}\n{{ one }}\n"
+        "{% endfor %}\n**b** c\n{% endmacro %}\n"
+    )
+    text = Markup("one\n\n two \n")
+    assert pages.lines("own", "m", x=text) == ("one", "two", "one", "two", "b c")
+    assert pages.lines("own", "m", x=Markup("")) == ("b c",)
+    assert pages.lines("own", "m", x=marked(HOSTILE[0])) == (
+        *(HOSTILE[0], HOSTILE[0], "b c"),
+    )
 
 
 def test_what_a_template_makes_has_no_blanks_around_it_in_a_sentence(page):
@@ -246,11 +302,14 @@ def test_the_words_of_a_figure_are_macros_of_a_page(page):
         '{% macro said(x) %}**{{ x }}** and {{ "1"|exact(1.5) }}{% endmacro %}\n'
         "{% macro listed(rows) %}\n{% for one in rows %}\n- {{ one }}\n{% endfor %}\n"
         "{% endmacro %}\n"
+        "{% macro of(x) %}\n### {{ x }}\n\n**a**\n\n{{ x }}\n{% endmacro %}\n"
     )
     assert pages.line("own", "axis", unit="deg/h [x]") == "u [deg/h [x]]"
     run = Run(text="1", exact=1.5)
     assert pages.runs("own", "said", x="*") == (
         *(Run(text="*", strong=True), " and ", run),
     )
+    (card,) = pages.cards("own", "of", x="# x")
+    assert card == Card(title="# x", lines=((Run(text="a", strong=True),), ("# x",)))
     (listing,) = pages.blocks("own", "listed", rows=["# a", "b"])
     assert listing == Listing(items=(("# a",), ("b",)), empty="")
