@@ -16,7 +16,7 @@ from budget.report.blocks import (
     Paragraph,
     Run,
 )
-from budget.report.document import csv_text, json_text
+from budget.report.document import json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.formulas import with_math
 from budget.report.pages import sections
@@ -32,7 +32,6 @@ from zhao_2019.printed import (
     Verdict,
     say_number,
 )
-from zhao_2019.study import COLUMNS
 
 if TYPE_CHECKING:
     from budget.report.blocks import Block, Section
@@ -140,11 +139,6 @@ def _part(study: PaperStudy, name: str) -> Part:
         of_words=of_words,
         groups=groups,
     )
-
-
-def to_csv(study: PaperStudy) -> str:
-    """Write one line for each row, numbers with all their digits."""
-    return csv_text(COLUMNS, map(vars, study.findings))
 
 
 def printed_cell(printed: str) -> Cell:
