@@ -810,9 +810,10 @@ class Filtered:
     name = mission.name (str)
     duration = mission.route.duration (float) [s]
     route = mission.route.outline (Outline)
-    alignment = mission.alignment (float) [s]: how long it finds level and north by itself; 0
-      where it knows them
-    aided = mission.aided (bool): whether height and vertical velocity are known all the time
+    alignment = mission.alignment (float) [s]: how long it finds level and north by
+      itself; 0 where it knows them
+    aided = mission.aided (bool): whether height and vertical velocity are known all the
+      time
     calibrations = bought: how far off it is after none, the maker's, and this one
     filter?: where it has aids
     """,
@@ -1184,14 +1185,6 @@ def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
 
 
 @written(
-    "reading",
-    """
-    readings = words (dict[str, str]): by line
-    verdict
-    utilisation [1]: the largest over the required outputs
-    """,
-)
-@written(
     "reading_effect",
     """
     line: whose meaning the data sheet leaves open
@@ -1212,6 +1205,14 @@ class ReadingEffect:
     ratio: float  # of its u, over that with the reading taken; inf over 0 [1]
 
 
+@written(
+    "reading",
+    """
+    readings = words (dict[str, str]): by line
+    verdict
+    utilisation [1]: the largest over the required outputs
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Reading:
     """The verdict under one combination of readings."""

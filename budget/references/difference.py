@@ -69,6 +69,7 @@ class Change:
     change (str): in one line
     amount [unit]: how much of the move it explains, by the law
     """,
+    said="One thing that is not what it was: a key of a file, a file, a version.",
 )
 @dataclass(frozen=True, kw_only=True)
 class Cause:

@@ -99,7 +99,7 @@ form(
     mass
     power
     grades: by triad, 'navigation', 'tactical', 'consumer' or '-'
-    completeness as completeness: by triad
+    completeness as completeness (dict[str, Completeness]): by triad
     """,
     Device,
     kind=kind_of_device,

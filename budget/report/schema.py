@@ -72,9 +72,13 @@ class Schema:
             found = self.entries[form.name] = {}
             parts: dict[str, list[Node]] = {}
             required = set()
-            for key, part, always in self.keys(form):
-                parts.setdefault(key, []).append(part)
-                required |= {key} if always else set()
+            for row, hint, always in self.rows(form):
+                said = said_of(row)
+                part = self.of(hint, row["form"]) | (
+                    {"description": said} if said else {}
+                )
+                parts.setdefault(row["key"], []).append(part)
+                required |= {row["key"]} if always else set()
             found |= {
                 "description": form.said,
                 "type": "object",
@@ -84,18 +88,17 @@ class Schema:
             }
         return {"$ref": f"#/$defs/{form.name}"}
 
-    def keys(self, form: Form) -> abc.Iterator[tuple[str, Node, bool]]:
-        """Yield the keys of a form, each with what it is and whether it is always."""
+    def rows(self, form: Form) -> abc.Iterator[tuple[Row, Any, bool]]:
+        """Yield the rows of keys, each with its type and whether it is always there."""
         for row in form.rows:
             always = not (row["maybe"] or row["when"])
-            hint, said = self.hint(form, row), said_of(row)
+            hint = self.hint(form, row)
             if row["spliced"]:
-                null = [self.of(NoneType)] if _is_optional(hint) else []
-                for key, part, own in self.keys(FORMS[row["form"]]):
-                    yield key, _either([part, *null]), own and always
+                lacks = _is_optional(hint)
+                for one, own, is_there in self.rows(FORMS[row["form"]]):
+                    yield one, _or_none(own, if_so=lacks), is_there and always
             else:
-                part = self.of(hint, row["form"])
-                yield row["key"], part | ({"description": said} if said else {}), always
+                yield row, hint, always
 
     def of(self, hint: Any, name: str | None = None) -> Node:  # noqa: ANN401 - a type
         """Return the schema of what a type is in JSON, of a record by its form."""
@@ -107,7 +110,7 @@ class Schema:
         if _is_list(hint):
             item = self.entry(FORMS[name]) if name else self.of(inner[0])
             return {"type": "array", "items": item}
-        if name or hint in BY_TYPE:
+        if hint is not NoneType and (name or hint in BY_TYPE):
             return self.entry(FORMS[name] if name else BY_TYPE[hint])
         if origin is tuple:
             parts = [self.of(one) for one in inner]
@@ -129,7 +132,7 @@ class Schema:
         if row["by"]:
             found = dict[str, get_args(found)[0]]  # type: ignore[misc]
         found = _certain(found) if row["maybe"] else found
-        return Union[found, None] if row["null"] else found
+        return _or_none(found, if_so=bool(row["null"]))
 
     def at(self, form: Form, path: str) -> Any:  # noqa: ANN401 - as above
         """Return the type of what is at a path of a record."""
@@ -139,7 +142,7 @@ class Schema:
             found = self.step(form, found, step)
             is_optional |= _is_optional(found)
             found = _certain(found)
-        return Union[found, None] if is_optional else found  # noqa: UP007 - of any kind
+        return _or_none(found, if_so=is_optional)
 
     def step(self, form: Form, hint: Any, step: str) -> Any:  # noqa: ANN401 - as above
         """Return the type of what is one step of a path further."""
@@ -149,11 +152,12 @@ class Schema:
         if step == "self":
             return hint
         if step.isdecimal():
-            return Union[inner[0], None] if _is_list(hint) else inner[int(step)]
+            place = 0 if _is_list(hint) else int(step)
+            return _or_none(inner[place], if_so=_is_list(hint))
         if _is_list(hint):
             return list[self.field(inner[0], step)]
         if get_origin(hint) in MAPPINGS:
-            return Union[inner[1], None]
+            return _or_none(inner[1], if_so=True)
         return self.field(hint, step)
 
     def field(self, record: type, name: str) -> Any:  # noqa: ANN401 - as above
@@ -161,8 +165,9 @@ class Schema:
         for owner in record.__mro__:
             text = vars(owner).get("__annotations__", {}).get(name)
             found = vars(owner).get(name)
-            if text is None and isinstance(found, property):
-                text = found.fget.__annotations__["return"]
+            get = getattr(found, "fget", getattr(found, "func", None))  # of a property
+            if text is None and get is not None:
+                text = get.__annotations__["return"]
             if text is not None:
                 return self.read(text, owner)
         raise LookupError(f"{record.__name__} has no {name}")
@@ -201,6 +206,11 @@ def _is_list(hint: Any) -> bool:  # noqa: ANN401 - as above
 def _is_optional(hint: Any) -> bool:  # noqa: ANN401 - as above
     """Say whether a type has None in it."""
     return get_origin(hint) in {Union, UnionType} and NoneType in get_args(hint)
+
+
+def _or_none(hint: Any, *, if_so: bool) -> Any:  # noqa: ANN401 - as above
+    """Return a type, with None where that is so."""
+    return Union[hint, None] if if_so else hint  # noqa: UP007 - of any kind
 
 
 def _certain(hint: Any) -> Any:  # noqa: ANN401 - as above

@@ -220,7 +220,7 @@ def _probabilities(
     """
     figure: of the paper
     source
-    parameter = given.parameter
+    parameter = given.parameter (str)
     size (list[float]) [1]: of the step
     errors (Mapping[str, list[float]]) [1]: relative, by axis or angle
     """,

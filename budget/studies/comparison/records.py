@@ -311,7 +311,7 @@ class Pair(Documented):
     settings: what it depends on besides
     devices = ranked: best first within each sensor and procedure
     nothing_known: of which no error line is given, not ranked
-    imus = numbered_imus: devices of both sensors as one, best first
+    imus = numbered_imus as imu: devices of both sensors as one, best first
     pairs: every gyro with every accelerometer, where asked for
     assumptions
     warnings

@@ -45,11 +45,11 @@ LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
     title: names of the devices
     inputs by role as file
     settings = self as export_settings
-    entries = rows as exported: by key and axis
+    entries = rows as exported (list[tuple]): by key and axis
     left_out: keys whose figure is not known, and what they are without it
     not_held: lines of the data sheet that the target has no place for
     notes
-    sources = target.sources (tuple[str, ...]): where keys, units and their use were read
+    sources = target.sources (tuple[str, ...]): where keys and units were read
     assumptions
     warnings
     """,
