@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from importlib import import_module
-from math import inf, isfinite, prod
+from math import inf, prod
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from budget.documents import Documented, document, form, written
 from budget.errors import NotThereError
 from budget.language import note
 from budget.names import Name
+from budget.problem import Output
 from budget.sentences import sentence
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
@@ -32,9 +34,7 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
     )
-    from budget.problem import Output
 
-SCHEMA = "budget/1"
 # What draws a result stands above it, and is loaded when it is asked to.
 SHOWN_BY = "budget.report.notebook"
 INTERACTION = Name("interaction")  # the row of products of two sources
@@ -55,7 +55,39 @@ BY_TRIALS = "monte-carlo"  # an interval of trials
 BY_PREDICTION = "prediction"  # one over what missing lines may be
 
 
-class Tabled:
+form(
+    "key",
+    """
+    sensor = name.owner: 'gyro', 'accelerometer', 'imu' of both, 'mission'
+    parameter = name.quantity
+    axis = name.axis: '' of what has none
+    time? = name.time [s]: of a mission, since it began
+    unit: of all its numbers
+    """,
+    Output,
+)
+form(
+    "standing",
+    """
+    sensor = 0 (str): or 'mission'
+    *1 as verdict
+    """,
+    tuple,
+    said="A verdict and what it stands on, the same in every command.",
+)
+form(
+    "bias_of_matrix",
+    """
+    unit = 0 (str)
+    value = 1 (list[float]) [unit]
+    standard_uncertainty = 2 (list[float]) [unit]
+    """,
+    tuple,
+    said="What turns readings into inputs, of one triad, at its nominal values.",
+)
+
+
+class Tabled(Documented):
     """A result of a study that a notebook shows as a table."""
 
     def __repr__(self) -> str:
@@ -88,6 +120,21 @@ class SobolIndex:
     rank: int  # by total index; sources that cannot be told apart share it
 
 
+@written(
+    "quantity",
+    """
+    printed: as the file gives it
+    meaning: how its number is meant, '1 sigma', 'max', ...
+    unit: as the file gives it
+    standard_uncertainty = u [unit]: by axis
+    distribution: shapes of its axes
+    divisor [1]: printed value over standard uncertainty, with how the number is read;
+      null where axes differ in it
+    degrees_of_freedom or null [1]: null where infinite, and where the value is of other
+      devices
+    origin: where another device's value stands for it
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class InputQuantity:
     """A specification line as the input quantity of a budget: x_i and u(x_i).
@@ -108,20 +155,26 @@ class InputQuantity:
     origin: str = ""  # where another device's value stands for it
     readings: int = 0  # that it is open to, where the maker does not say
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "printed": self.printed,
-            "meaning": self.meaning,
-            "unit": self.unit,
-            "standard_uncertainty": list(self.u),
-            "distribution": self.distribution,
-            "divisor": self.divisor,
-            "degrees_of_freedom": _finite(self.degrees_of_freedom),
-            "origin": self.origin,
-        }
 
-
+@written(
+    "contribution",
+    """
+    source
+    standard_uncertainty / unit: of the output, by this source alone
+    share [1]: of the law's own total variance
+    lower_bound: whether products with lines that are not given are not in it
+    sobol_first = sobol.first [1]: first-order index; null where it was not estimated
+    sobol_total = sobol.total [1]: total index, likewise
+    u_input? / line_unit [unit of its line]: standard uncertainty of the line, on the
+      largest axis that reaches the output
+    sensitivity? / unit * line_unit [unit over that of its line]: of the output to it
+    sobol_first_interval? = sobol.first_interval [1]: 95 % over scrambles
+    sobol_total_interval? = sobol.total_interval [1]: likewise
+    sobol_interacts? = sobol.interacts: whether the total is above the first-order index
+      beyond chance
+    sobol_rank? = sobol.rank: by total index; what cannot be told apart shares it
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Contribution:
     """What one source alone does to one output, by the first- and second-order law.
@@ -139,6 +192,7 @@ class Contribution:
     # u(x) of its line, that of the largest axis that reaches the output; None of none.
     u_input: float | None = None  # [SI unit of u(x)]
     sensitivity: float | None = None  # c [SI unit of the output over that of u(x)]
+    line_unit: float | None = None  # size of the unit of its line [SI]
 
     @property
     def linear(self) -> float | None:
@@ -147,17 +201,19 @@ class Contribution:
             return None
         return self.sensitivity * self.u_input
 
-    @property
-    def sobol_first(self) -> float | None:
-        """First-order index [1], None where it was not estimated."""
-        return None if self.sobol is None else self.sobol.first
 
-    @property
-    def sobol_total(self) -> float | None:
-        """Total index [1], None where it was not estimated."""
-        return None if self.sobol is None else self.sobol.total
-
-
+@written(
+    "validation",
+    """
+    trials
+    holds: whether the law is as good as its tolerance asks for
+    difference_low / unit: of the lower ends of both intervals
+    difference_high / unit: of the upper ends
+    tolerance / unit: numerical tolerance, JCGM 101:2008, 7.9.2
+    interval / unit: that of Monte Carlo
+    reached / unit: what Monte Carlo itself has settled to
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Validation:
     """The law against Monte Carlo for one output, JCGM 101:2008, 8.1."""
@@ -200,6 +256,32 @@ class Radii:
 CEP, R95 = 0.5, 0.95  # coverages of these [1]
 
 
+@written(
+    "output",
+    """
+    *output as key
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    mean / unit: expected error
+    standard_uncertainty / unit
+    lower_bound: whether the uncertainty is this or more, as a line that reaches it
+      lacks
+    nothing_known = is_unknown: whether no given line reaches it, and one lacks
+    lacks: expected lines, not given, that would widen it
+    interval / unit: coverage interval
+    interval_by: what it is of, 'law', 'monte-carlo', 'simulation', 'prediction'
+    coverage? [1]: of the interval; where none stands here it is that of the settings
+    cep? = radii.cep / unit: of a length, radius of the circle that holds 50 %
+    r95? = radii.r95 / unit: of a length, radius of the circle that holds 95 %
+    drms? = standard_uncertainty / unit if radii: of a length, root of the summed
+      variances
+    coverage_factor [1]: half the interval over the standard uncertainty; null where
+      nothing varies, or the two are of different methods
+    degrees_of_freedom or null [1]: effective ones of the law; null where infinite or
+      not known
+    contributions: what each source alone does to it, by the law
+    validation: of the law against Monte Carlo; null where that was not asked for
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class OutputBudget:
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
@@ -318,8 +400,34 @@ def widest_of_each(rows: Sequence[OutputBudget]) -> tuple[OutputBudget, ...]:
     )
 
 
+def fills(settings: Settings) -> bool:
+    """Whether anything stands for expected lines that are not given."""
+    return settings.missing != "refuse"
+
+
+@written(
+    "settings",
+    """
+    method: 'gum', 'monte-carlo' or 'simulation'
+    trials: of Monte Carlo, or simulated runs
+    seed: same seed, same numbers
+    coverage [1]: probability of the intervals
+    interval: 'symmetric' or 'shortest'
+    reference: what an error is one against, 'nominal', 'as_tested', 'next_turn_on'
+    formulas: of the calibration
+    normals_per_trial: normal random numbers that a trial takes
+    only: sources that count, all others being 0
+    outputs?: what is asked for, where that is not all that is estimated
+    digits: of uncertainties that trials make sure
+    sobol_samples: points in one scramble for Sobol' indices
+    sobol_scrambles: how many there are
+    missing if fills: what stands for expected lines that are not given; left out where
+      nothing does
+    """,
+    fills=fills,
+)
 @dataclass(frozen=True, kw_only=True)
-class Settings:
+class Settings(Documented):
     """Everything besides the input files that a result depends on.
 
     As asked for, and then, with what was made of it, as part of the result.
@@ -378,17 +486,22 @@ class Settings:
     matrices: bool = False
     missing: str = "refuse"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what a document says of them."""
-        document = asdict(self)
-        del document["max_trials"], document["validate"], document["matrices"]
-        if not self.outputs:
-            del document["outputs"]
-        if self.missing == "refuse":
-            del document["missing"]
-        return document
 
-
+@written(
+    "role_and_file",
+    """
+    role: 'device', 'procedure', 'station', ...
+    *self as file
+    """,
+)
+@written(
+    "file",
+    """
+    name: base name, with #VARIANT where one was chosen
+    sha256: of its bytes
+    changes?: that the call laid over it
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class InputFile:
     """One file that a result depends on, by base name and content."""
@@ -397,17 +510,6 @@ class InputFile:
     name: str
     sha256: str
     changes: tuple[Changed, ...] = ()  # that the call laid over it
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        document: dict[str, Any] = {
-            "role": self.role,
-            "name": self.name,
-            "sha256": self.sha256,
-        }
-        if self.changes:
-            document["changes"] = [one.to_dict() for one in self.changes]
-        return document
 
 
 def input_files(
@@ -455,12 +557,6 @@ def input_file(
     )
 
 
-def inputs_document(files: Sequence[InputFile]) -> dict[str, Any]:
-    """Return what documents say of files, by their roles."""
-    documents = [file.to_dict() for file in files]
-    return {document.pop("role"): document for document in documents}
-
-
 CONVENTION = note(
     "Reading n of the axes, in counts a second, of an input u in body axes: "
     "n = K (M u + b), M = I + dT. Row i of M is what axis i shows of the body axes x, "
@@ -469,6 +565,42 @@ CONVENTION = note(
 )
 
 
+def _printed(covariance: Array, outputs: Sequence[Output]) -> Array:
+    """Return a covariance of outputs in products of their units."""
+    scale = np.array([output.si_per_unit for output in outputs])
+    return np.asarray(covariance / np.outer(scale, scale))
+
+
+@written(
+    "matrices",
+    """
+    body_to_sensor = self as matrix: M, whose row i is what axis i shows of the body
+      axes
+    sensor_to_body = self as uncertain_matrix: T, the inverse of M
+    bias_sensor = biases.0 as bias_of_matrix: taken off before T
+    bias_body = biases.1 as bias_of_matrix: taken off after T
+    bias_lower_bound: whether lines that are not given would widen the biases
+    covariance = printed (list[list[float]]) [products of units]: of T row by row, bias
+      in sensor axes, bias in body axes
+    """,
+    biases=lambda found: (found.biases(9), found.biases(12)),
+    printed=lambda found: _printed(found.covariance, found.outputs),
+)
+@written(
+    "uncertain_matrix",
+    """
+    value = T (list[list[float]]) [1]: row by row
+    standard_uncertainty = u.0 (list[list[float]]) [1]: of its elements
+    lower_bound: whether lines that are not given would widen it
+    """,
+    u=lambda found: (found.standard_uncertainty[:9].reshape(3, 3),),
+)
+@written(
+    "matrix",
+    """
+    value = M (list[list[float]]) [1]: row by row
+    """,
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Compensation:
     """What turns readings into inputs, of one triad, at its nominal values.
@@ -518,28 +650,24 @@ class Compensation:
         """Bias T b, taken off after T, shape (3,) [SI]."""
         return self.value[12:]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in printed units."""
-        scale = np.array([output.si_per_unit for output in self.outputs])
-        value, u = self.value / scale, self.standard_uncertainty / scale
-        unit = self.outputs[-1].unit
-
-        def of(rows: slice, *shape: int) -> dict[str, Any]:
-            return {
-                "value": value[rows].reshape(shape).tolist(),
-                "standard_uncertainty": u[rows].reshape(shape).tolist(),
-            }
-
-        return {
-            "body_to_sensor": {"value": self.M.tolist()},
-            "sensor_to_body": {**of(slice(9), 3, 3), "lower_bound": self.lower_bound},
-            "bias_sensor": {"unit": unit, **of(slice(9, 12), 3)},
-            "bias_body": {"unit": unit, **of(slice(12, 15), 3)},
-            "bias_lower_bound": self.bias_lower_bound,
-            "covariance": (self.covariance / np.outer(scale, scale)).tolist(),
-        }
+    def biases(self, first: int) -> tuple[str, Array, Array]:
+        """Return the unit of three biases, their values and uncertainties in it."""
+        output, own = self.outputs[first], slice(first, first + 3)
+        both = np.stack([self.value, self.standard_uncertainty])[:, own]
+        return output.unit, *(both / output.si_per_unit)
 
 
+@written(
+    "calibrated",
+    """
+    name: of the procedure
+    cep [m]: of the horizontal position, time by time
+    lower_bound: whether an expected line that is not given would widen it
+    worse_than: the maker's calibration, where it is farther off at the end than after
+      that
+    because: the line that adds most then
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Calibrated:
     """How far off a unit is on a mission after one calibration, or none."""
@@ -553,6 +681,17 @@ class Calibrated:
     because: Name | None = None
 
 
+@written(
+    "learnt",
+    """
+    sensor
+    axis
+    time [s]: at which an aid ends
+    before [unit]: standard uncertainty without the filter
+    after [unit]: and with it
+    unit
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Learnt:
     """What a filter has found out of the bias of one axis, its slow noise with it."""
@@ -565,6 +704,17 @@ class Learnt:
     unit: str
 
 
+@written(
+    "believed",
+    """
+    parameter: 'position', 'velocity', 'attitude'
+    axis
+    time [s]: since the mission began
+    standard_uncertainty [unit]: as the filter believes
+    true [unit]: what it is
+    unit
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class BelievedError:
     """An error of navigation as the filter believes it."""
@@ -577,6 +727,14 @@ class BelievedError:
     unit: str
 
 
+@written(
+    "turned",
+    """
+    time [s]: of both ends
+    straight [m]: root of the summed variances north and east
+    turned [m]: the same, turned by 180 deg in the first half of the way on
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Turned:
     """How far off a mission ends, and one that turns where its aids end [m]."""
@@ -586,6 +744,17 @@ class Turned:
     turned: float  # the same, turned by 180 deg in the first half of the way on [m]
 
 
+@written(
+    "filter",
+    """
+    kind: 'optimal' or 'own'
+    states: how many it has
+    updates: how many measurements it takes
+    learnt: of biases, where aids end
+    believed: errors of navigation, as it believes and as they are
+    turned: of a mission that goes straight on without aids; null of others
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Filtered:
     """The filter of a mission with aids."""
@@ -598,8 +767,70 @@ class Filtered:
     turned: Turned | None = None  # of a mission that goes straight on without aids
 
 
+@written(
+    "budget",
+    """
+    title: names of the devices
+    inputs by role as file: files that it depends on
+    settings: what it depends on besides
+    mission = self if mission as mission_of_budget: of a mission
+    outputs
+    quantities by source: the lines that contributions are of
+    covariance = printed (list[list[float | None]]) [products of units]: of all outputs;
+      null between a horizontal length and another output, of which no covariance is
+      known
+    not_given: lines of the data sheet that are absent
+    missing = self if fills as missing: where lines stand for those that are not given
+    assumptions
+    warnings
+    assessment: against the requirement; null where there is none
+    readings?: other readings of lines whose meaning is open, one by one
+    matrices = self if matrices as matrices_of_triads: where they were asked for
+    one_at_a_time? = None (tuple[SourceSteps, ...]): of a report
+    mission? = None (Budget): of a report, all that `budget mission` says
+    allocation? = None (Allocation): of a report with --allocate
+    comparison? = None (Comparison): of a report with --compare
+    """,
+    commands="analyze report mission",
+    fills=lambda budget: fills(budget.settings),
+    printed=lambda budget: budget.printed_covariance,
+)
+@written(
+    "matrices_of_triads",
+    """
+    convention (str): how they are used
+    gyro? = matrices.gyro
+    accelerometer? = matrices.accelerometer
+    """,
+    said="Compensation matrices, by triad.",
+    convention=lambda _: CONVENTION,
+)
+@written(
+    "mission_of_budget",
+    """
+    name = mission.name (str)
+    duration = mission.route.duration (float) [s]
+    route = mission.route.outline (Outline)
+    alignment = mission.alignment (float) [s]: how long it finds level and north by
+      itself; 0 where it knows them
+    aided = mission.aided (bool): whether height and vertical velocity are known all the
+      time
+    calibrations = bought: how far off it is after none, the maker's, and this one
+    filter?: where it has aids
+    """,
+    said="Where a calibrated unit goes by itself, and what it knows when it begins.",
+)
+@written(
+    "missing",
+    """
+    mode = settings.missing: 'worst', 'typical' or 'predict'
+    filled: what stands for expected lines
+    left: expected lines that nothing stands for
+    """,
+    said="A line in the place of an expected one that is not given.",
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Budget:
+class Budget(Documented):
     """The error budget of a calibration: every output, and how they go together.
 
     Or of a mission after it, whose outputs are errors of navigation at some times.
@@ -687,7 +918,7 @@ class Budget:
         sources they are None.
         """
         for row in self.outputs:
-            total = _output_document(row, {})
+            total = document(row)
             key = {name: total[name] for name in (*KEY, AT_A_TIME) if name in total}
             low, high = total["interval"]
             parts = total["contributions"]
@@ -695,6 +926,19 @@ class Budget:
             total |= {"interval_low": low, "interval_high": high}
             for record in (*({**key, **part} for part in parts), total):
                 yield {name: record.get(name) for name in self.columns}
+
+    @property
+    def printed_covariance(self) -> list[list[float | None]]:
+        """Covariance in printed units: of a length with other outputs none is known."""
+        found: list[list[float | None]] = _printed(
+            self.covariance, [row.output for row in self.outputs]
+        ).tolist()
+        lengths = [k for k, one in enumerate(self.outputs) if one.output.length_of]
+        for k in lengths:
+            for other in range(len(found)):
+                if other != k:
+                    found[k][other] = found[other][k] = None
+        return found
 
     def to_frame(self) -> pd.DataFrame:
         """Return `rows()` as a tidy pandas frame, in printed units."""
@@ -735,173 +979,22 @@ class Budget:
         table: str = import_module(SHOWN_BY).budget_html(self)
         return table
 
-    def _mission(self) -> dict[str, Any]:
-        """Return what documents say of the mission; {} of a calibration."""
-        if self.mission is None:
-            return {}
-        route = self.mission.route
-        return {
-            "mission": {
-                "name": self.mission.name,
-                "duration": route.duration,
-                "route": asdict(route.outline),
-                "alignment": self.mission.alignment,
-                "aided": self.mission.aided,
-                "calibrations": [asdict(one) for one in self.bought],
-                **({} if self.filter is None else {"filter": asdict(self.filter)}),
-            }
-        }
 
-    def _covariance(self, scaled: Array) -> list[list[float | None]]:
-        """Return it for documents: of a length with other outputs none is known."""
-        found: list[list[float | None]] = scaled.tolist()
-        lengths = [k for k, one in enumerate(self.outputs) if one.output.length_of]
-        for k in lengths:
-            for other in range(len(found)):
-                if other != k:
-                    found[k][other] = found[other][k] = None
-        return found
-
-    def _missing(self) -> dict[str, Any]:
-        """Return what documents say of lines that are not given; {} to refuse."""
-        if self.settings.missing == "refuse":
-            return {}
-        filled = [line.to_dict() for line in self.filled]
-        left, mode = list(self.left), self.settings.missing
-        return {"missing": {"mode": mode, "filled": filled, "left": left}}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`, in printed units."""
-        scale = np.array([row.output.si_per_unit for row in self.outputs])
-        quantities = {one.source: one for one in self.quantities}
-        return {
-            "schema": SCHEMA,
-            "command": self.command,
-            "title": self.title,
-            "inputs": inputs_document(self.inputs),
-            "settings": self.settings.to_dict(),
-            **self._mission(),
-            "outputs": [_output_document(row, quantities) for row in self.outputs],
-            "quantities": {
-                name: quantity.to_dict() for name, quantity in quantities.items()
-            },
-            "covariance": self._covariance(self.covariance / np.outer(scale, scale)),
-            "not_given": list(self.not_given),
-            **self._missing(),
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-            "assessment": None
-            if self.assessment is None
-            else self.assessment.to_dict(),
-            **(
-                {"readings": [one.to_dict() for one in self.readings]}
-                if self.readings
-                else {}
-            ),
-            **(
-                {
-                    "matrices": {
-                        "convention": CONVENTION,
-                        **{kind: one.to_dict() for kind, one in self.matrices.items()},
-                    }
-                }
-                if self.matrices
-                else {}
-            ),
-        }
-
-
-def _finite(number: float | None) -> float | None:
-    """Return a number, None where it is infinite: JSON has no word for that."""
-    return None if number is None or not isfinite(number) else number
-
-
-def _output_document(
-    row: OutputBudget, quantities: Mapping[Name, InputQuantity]
-) -> dict[str, Any]:
-    """Return one entry of `outputs` in the JSON document, in printed units."""
-    scale = row.output.si_per_unit
-    validation = None
-    if row.validation is not None:
-        validation = {
-            "trials": row.validation.trials,
-            "holds": row.validation.holds,
-            "difference_low": row.validation.difference_low / scale,
-            "difference_high": row.validation.difference_high / scale,
-            "tolerance": row.validation.tolerance / scale,
-            "interval": [end / scale for end in row.validation.interval],
-            "reached": row.validation.reached / scale,
-        }
-    return {
-        **_key_document(row.output),
-        "resolution": row.output.resolution / scale,
-        "mean": row.mean / scale,
-        "standard_uncertainty": row.standard_uncertainty / scale,
-        "lower_bound": row.lower_bound,
-        "nothing_known": row.is_unknown,
-        "lacks": list(row.lacks),
-        "interval": [end / scale for end in row.interval],
-        "interval_by": row.interval_by,
-        **({} if row.coverage is None else {"coverage": row.coverage}),
-        **_length_document(row, scale),
-        "coverage_factor": row.coverage_factor,
-        "degrees_of_freedom": _finite(row.degrees_of_freedom),
-        "contributions": [
-            _contribution_document(part, scale, quantities.get(part.source))
-            for part in row.contributions
-        ],
-        "validation": validation,
-    }
-
-
-def _key_document(output: Output) -> dict[str, Any]:
-    """Return what names an output in documents, and the unit of its numbers."""
-    name = output.name
-    return {
-        "sensor": name.owner,
-        "parameter": name.quantity,
-        "axis": name.axis,
-        **({} if name.time is None else {AT_A_TIME: name.time}),
-        "unit": output.unit,
-    }
-
-
-def _length_document(row: OutputBudget, scale: float) -> dict[str, float]:
-    """Return the further numbers of a length; {} of all else."""
-    if row.radii is None:
-        return {}
-    sizes = (row.radii.cep, row.radii.r95, row.standard_uncertainty)
-    return {key: size / scale for key, size in zip(OF_A_LENGTH, sizes, strict=True)}
-
-
-def _contribution_document(
-    part: Contribution, scale: float, quantity: InputQuantity | None
-) -> dict[str, Any]:
-    """Return one entry of `contributions`, in printed units."""
-    document: dict[str, Any] = {
-        "source": part.source,
-        "standard_uncertainty": part.standard_uncertainty / scale,
-        "share": part.share,
-        "lower_bound": part.lower_bound,
-        "sobol_first": part.sobol_first,
-        "sobol_total": part.sobol_total,
-    }
-    if quantity and part.u_input is not None and part.sensitivity is not None:
-        unit = quantity.si_per_unit
-        document |= {
-            "u_input": part.u_input / unit,
-            "sensitivity": part.sensitivity / scale * unit,
-        }
-    if part.sobol is not None:
-        document |= {
-            "sobol_first_interval": list(part.sobol.first_interval),
-            "sobol_total_interval": list(part.sobol.total_interval),
-            "sobol_interacts": part.sobol.interacts,
-            "sobol_rank": part.sobol.rank,
-        }
-    return document
-
-
+@written(
+    "filled_line",
+    """
+    source: the line that stands for it
+    stands_for = expected: the expected line
+    printed: of 'worst' as that device's file gives it
+    unit
+    standard_uncertainty = u / unit: of the largest axis; of 'predict' the median
+    devices: how many give the line and are comparable
+    designs: that these are variants of; null of 'worst'
+    of = owners: of 'worst' the one device, else all that it comes from
+    interval_50 / unit: of the standard uncertainty, by 'predict'
+    interval_90 / unit: likewise
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class FilledLine:
     """A line in the place of an expected one that is not given."""
@@ -951,26 +1044,14 @@ class FilledLine:
         """Print a size to three digits."""
         return f"{float(f'{u / self.si_per_unit:.3g}'):g}"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
 
-        def of(ends: tuple[float, float] | None) -> list[float] | None:
-            return None if ends is None else [end / self.si_per_unit for end in ends]
-
-        return {
-            "source": self.source,
-            "stands_for": self.expected,
-            "printed": self.printed,
-            "unit": self.unit,
-            "standard_uncertainty": self.u / self.si_per_unit,
-            "devices": self.devices,
-            "designs": self.designs,
-            "of": list(self.owners),
-            "interval_50": of(self.interval_50),
-            "interval_90": of(self.interval_90),
-        }
-
-
+@written(
+    "ask",
+    """
+    source: the expected line
+    reduction [1]: expected, of the doubt, were it known
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Ask:
     """A line that is not given, and what it is worth to be told it."""
@@ -979,6 +1060,15 @@ class Ask:
     reduction: float  # expected, of the doubt min(p, 1 - p), were it known [1]
 
 
+@written(
+    "predicted",
+    """
+    probability [1]: that every largest error is within its limit
+    doubt [1]: risk of the likelier verdict, min(p, 1 - p)
+    utilisation_90 [1]: central 90 % of the utilisation
+    worth_asking = asks: lines to ask for, the one that is worth most first
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Doubt:
     """Probability that a device meets over what its missing lines may be."""
@@ -992,16 +1082,15 @@ class Doubt:
         """min(p, 1 - p): the risk of the likelier verdict [1]."""
         return min(self.probability, 1.0 - self.probability)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "probability": self.probability,
-            "doubt": self.doubt,
-            "utilisation_90": list(self.utilisation_90),
-            "worth_asking": [asdict(ask) for ask in self.asks],
-        }
 
-
+@written(
+    "conformance",
+    """
+    conformance = value [1]: probability of being within all limits; null where nothing
+      is known of it
+    conformance_interval = interval [1]: 95 % sampling; null by the law
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Probability:
     """A probability with its 95 % sampling interval [1]."""
@@ -1010,12 +1099,30 @@ class Probability:
     low: float | None  # None where it is computed by the law: not sampled, not exact
     high: float | None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of a conformance and its interval."""
-        ends = None if self.low is None else [self.low, self.high]
-        return {"conformance": self.value, "conformance_interval": ends}
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """Both ends, where there are any."""
+        low, high = self.low, self.high
+        return None if low is None or high is None else (low, high)
 
 
+@written(
+    "limited_output",
+    """
+    *output as key
+    coverage? [1]: of the interval; where none stands here it is the requirement's
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    limit / unit: on the absolute error
+    standard_uncertainty / unit: by the law
+    interval / unit: coverage interval
+    interval_by: what it is of, 'law', 'monte-carlo', ...
+    largest_error / unit: larger absolute end of the interval
+    utilisation [1]: largest error over limit
+    conformance [1]: probability that the error is within the limit
+    lower_bound: whether a line that is not given would widen it
+    nothing_known = is_unknown: whether no line that is given reaches it besides
+    """,
+)
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OutputAssessment:
     """One required output against its limit [SI]."""
@@ -1051,30 +1158,22 @@ class OutputAssessment:
         """Whether the largest error is at most the limit."""
         return settle(self.utilisation) <= 1.0
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in printed units."""
-        scale = self.output.si_per_unit
-        return {
-            **_key_document(self.output),
-            **({} if self.coverage is None else {"coverage": self.coverage}),
-            "resolution": self.output.resolution / scale,
-            "limit": self.limit / scale,
-            "standard_uncertainty": self.standard_uncertainty / scale,
-            "interval": [end / scale for end in self.interval],
-            "interval_by": self.interval_by,
-            "largest_error": self.largest_error / scale,
-            "utilisation": self.utilisation,
-            "conformance": self.conformance,
-            "lower_bound": self.lower_bound,
-            "nothing_known": self.is_unknown,
-        }
-
 
 def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
     """Return the output that uses most of its limit; of equal ones the first."""
     return rows[first_largest([row.utilisation for row in rows])]
 
 
+@written(
+    "reading_effect",
+    """
+    line: whose meaning the data sheet leaves open
+    reading
+    taken: the reading that the numbers stand on
+    output: whose standard uncertainty changes most
+    ratio or null [1]: of that, over the one with the reading taken; null over 0
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class ReadingEffect:
     """How another reading of one line alone changes the standard uncertainties."""
@@ -1085,11 +1184,15 @@ class ReadingEffect:
     output: Name  # whose u changes most
     ratio: float  # of its u, over that with the reading taken; inf over 0 [1]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it; a ratio over 0 is none."""
-        return {**asdict(self), "ratio": self.ratio if self.ratio < inf else None}
 
-
+@written(
+    "reading",
+    """
+    readings = words (dict[str, str]): by line
+    verdict
+    utilisation [1]: the largest over the required outputs
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Reading:
     """The verdict under one combination of readings."""
@@ -1099,6 +1202,14 @@ class Reading:
     utilisation: float  # the largest over the required outputs [1]
 
 
+@written(
+    "reading_verdicts",
+    """
+    combinations = total: of readings, that there are
+    passes: under which it meets, 'all', 'some' or 'none' of those computed
+    computed = found: the reading that is taken first
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class ReadingVerdicts:
     """The verdicts on one sensor under the readings of its open lines."""
@@ -1119,22 +1230,22 @@ class ReadingVerdicts:
             return "all"
         return "some" if self.passing else "none"
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "combinations": self.total,
-            "passes": self.passes,
-            "computed": [
-                {
-                    "readings": dict(one.words),
-                    "verdict": one.verdict,
-                    "utilisation": one.utilisation,
-                }
-                for one in self.found
-            ],
-        }
 
-
+@written(
+    "condition",
+    """
+    kind: 'missing', 'temperature', 'vibration', 'age'
+    line
+    below / unit: the bound; null where none is needed, or known
+    unit
+    largest_comparable / unit: the largest that a comparable device prints, as a
+      standard uncertainty
+    ceiling / unit: the largest that is thought of
+    decides: whether it leaves the verdict open
+    not_given = silent: lines of a use that nobody has stated
+    text: in words
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Condition:
     """What must hold for a verdict, or what decides it and has to be asked for.
@@ -1156,25 +1267,17 @@ class Condition:
     # Lines of a use that nobody has stated, which its sheet does not give.
     silent: tuple[Name, ...] = ()
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in its unit."""
 
-        def of(size: float | None) -> float | None:
-            return None if size is None else size / self.si_per_unit
-
-        return {
-            "kind": self.kind,
-            "line": self.line,
-            "below": of(self.below),
-            "unit": self.unit,
-            "largest_comparable": of(self.largest_comparable),
-            "ceiling": of(self.ceiling),
-            "decides": self.decides,
-            "not_given": list(self.silent),
-            "text": self.text,
-        }
-
-
+@written(
+    "caution",
+    """
+    kind
+    line
+    text: in words
+    bound [unit]
+    unit
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Caution:
     """What qualifies a verdict, beside it wherever it stands."""
@@ -1185,11 +1288,22 @@ class Caution:
     bound: float | None = None  # [unit]
     unit: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return asdict(self)
 
-
+@written(
+    "verdict",
+    f"""
+    verdict (Literal{list(VERDICTS)})
+    calibration: after which
+    station: at which
+    use: in which
+    mission or null: on which
+    decision: by which rule limits are held
+    conditions: that it holds if, or that decide
+    cautions
+    utilisation_at_ceilings = at_ceilings [1]: with every missing line at its ceiling;
+      null where one has none
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Standing:
     """A verdict and what it stands on, the same in every command.
@@ -1261,20 +1375,26 @@ class Standing:
             at_ceilings=max(known) if len(known) == len(ceilings) else None,
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "calibration": self.calibration,
-            "station": self.station,
-            "use": self.use,
-            "mission": self.mission or None,
-            "decision": self.decision,
-            "conditions": [one.to_dict() for one in self.conditions],
-            "cautions": [one.to_dict() for one in self.cautions],
-            "utilisation_at_ceilings": self.at_ceilings,
-        }
 
-
+@written(
+    "sensor_verdict",
+    """
+    sensor
+    *standing as verdict
+    utilisation [1]: the largest over its required outputs
+    utilisation_interval [1]: 95 % sampling, and the law's error
+    worst_output: that uses most of its limit
+    worst_outputs: that one and all that are equal to it
+    limiting_source: with the largest share there
+    *conformance as conformance
+    trials: that were made; null by the law alone
+    expected_missing: lines that a 'meets' cannot do without
+    nothing_known: whether no error line is given
+    predicted? = doubt: where the verdict rests on predicted lines
+    not_estimated?: parameters with limits that are held in the test
+    readings?: verdicts under the readings of lines whose meaning is open
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class SensorAssessment:
     """The verdict on one triad."""
@@ -1306,6 +1426,16 @@ class SensorAssessment:
         return self.verdict == "undecided" and not low <= 1.0 < high
 
 
+@written(
+    "cap_assessment",
+    """
+    device
+    merit: 'price', 'mass' or 'power'
+    cap: as the requirement gives it
+    given: as the device file gives it; '' where it does not
+    is_within: null where nobody can tell
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class CapAssessment:
     """What one device costs, weighs or draws against a cap; it decides no verdict."""
@@ -1317,8 +1447,20 @@ class CapAssessment:
     is_within: bool | None  # None where nobody can tell
 
 
+@written(
+    "assessment",
+    """
+    requirement: its name
+    verdict: the gravest of the sensors; of limits to be kept together that of all
+    *conformance as conformance
+    sensors
+    outputs
+    not_there: sensors with limits that no device has
+    caps
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class Assessment:
+class Assessment(Documented):
     """A budget held against a requirement."""
 
     requirement: str  # its name
@@ -1381,49 +1523,3 @@ class Assessment:
             for row in self.outputs
             if row.lower_bound and row.is_within and row.output.name.owner in waits
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in printed units."""
-        return {
-            "requirement": self.requirement,
-            "verdict": self.verdict,
-            **_conformance(self.conformance),
-            "sensors": [
-                {
-                    "sensor": one.sensor,
-                    "verdict": one.verdict,
-                    **one.standing.to_dict(),
-                    "utilisation": one.utilisation,
-                    "utilisation_interval": list(one.utilisation_interval),
-                    "worst_output": one.worst_output,
-                    "worst_outputs": list(one.worst_outputs),
-                    "limiting_source": one.limiting_source,
-                    **_conformance(one.conformance),
-                    "trials": one.trials,
-                    "expected_missing": list(one.expected_missing),
-                    "nothing_known": one.nothing_known,
-                    **({"predicted": one.doubt.to_dict()} if one.doubt else {}),
-                    **(
-                        {"not_estimated": names}
-                        if (names := list(one.not_estimated))
-                        else {}
-                    ),
-                    **(
-                        {"readings": one.readings.to_dict()}
-                        if one.readings is not None
-                        else {}
-                    ),
-                }
-                for one in self.sensors
-            ],
-            "outputs": [row.to_dict() for row in self.outputs],
-            "not_there": list(self.not_there),
-            "caps": [asdict(cap) for cap in self.caps],
-        }
-
-
-def _conformance(p: Probability | None) -> dict[str, Any]:
-    """Return a conformance for documents; None where nothing is known."""
-    if p is None:
-        return {"conformance": None, "conformance_interval": None}
-    return p.to_dict()

@@ -11,7 +11,7 @@ import budget
 from budget.inputs.makers import READINGS
 from budget.report.schema import results_schema
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
-from zhao_2019.schema import paper_keys
+from zhao_2019.study import PaperStudy
 
 DOCS = Path(__file__).resolve().parent
 MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
@@ -55,7 +55,7 @@ def names() -> list[str]:
 
 def keys() -> list[str]:
     """Return a table for each kind of object in result documents, top ones first."""
-    schema = results_schema(paper_keys)
+    schema = results_schema(PaperStudy)
     top = [ref for part in schema["oneOf"] for ref in part.get("oneOf", [part])]
     first = [_name(ref) for ref in top]
     rows: list[str] = []

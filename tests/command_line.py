@@ -17,7 +17,7 @@ import typer.main
 
 from budget.cli import main
 from budget.report.schema import results_schema
-from zhao_2019.schema import paper_keys
+from zhao_2019.study import PaperStudy
 
 # A process builds its commands once; without this each call here would again.
 COMMAND = cache(typer.main.get_command)
@@ -45,7 +45,7 @@ class Outcome:
         return checked(json.loads(self.out))
 
 
-SCHEMA = results_schema(paper_keys)
+SCHEMA = results_schema(PaperStudy)
 
 
 @cache

@@ -94,12 +94,9 @@ def allocate(
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, check_yaml, hand_out
     from budget.inputs import load_costs, load_requirement
-    from budget.report.allocation.document import (
-        allocated_device,
-        allocation_csv,
-    )
+    from budget.report.allocation.document import allocated_device
     from budget.report.allocation.page import allocation_answer
-    from budget.report.document import json_text
+    from budget.report.document import json_text, table_csv
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
     from budget.studies.request import find_sources, sensors_of, source_names
@@ -154,7 +151,7 @@ def allocate(
         written[write] = _read_back(allocated_device(allocation), write)
     documents = (
         (json, lambda: json_text(allocation.to_dict())),
-        (csv, lambda: allocation_csv(allocation)),
+        (csv, lambda: table_csv("allotment", allocation.sources)),
     )
     if allocation.feasible:
         show(documents, pages=written)

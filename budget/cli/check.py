@@ -447,10 +447,10 @@ def schema(
     from budget.inputs import json_schema
     from budget.references.store import reference_schema
     from budget.report.schema import results_schema
-    from zhao_2019.schema import paper_keys
+    from zhao_2019.study import PaperStudy
 
     if kind == "results":
-        found = results_schema(paper_keys)
+        found = results_schema(PaperStudy)
     else:
         found = reference_schema() if kind == "reference" else json_schema(kind)
     with printing():

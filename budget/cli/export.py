@@ -135,8 +135,8 @@ def export(
     from budget.cli.streams import talk
     from budget.errors import CallError
     from budget.inputs import load_procedure
-    from budget.report.document import json_text
-    from budget.report.export import export_answer, export_csv, remarks, write_export
+    from budget.report.document import json_text, table_csv
+    from budget.report.export import export_answer, remarks, write_export
     from budget.studies.export.study import export as export_to
 
     files = () if output is None else (output,)
@@ -166,7 +166,7 @@ def export(
     )
     documents = [
         (json, lambda: json_text(found.to_dict())),
-        (csv, lambda: export_csv(found)),
+        (csv, lambda: table_csv("exported", found.rows)),
     ]
     on_stdout = options.STDOUT in {json, csv}
     if output is None and not on_stdout:

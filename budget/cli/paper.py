@@ -28,9 +28,9 @@ def paper(
         pages_of,
     )
     from budget.language import say, speaking
-    from budget.report.document import json_text
+    from budget.report.document import json_text, table_csv
     from budget.report.rendering import check_suffixes, document_date
-    from zhao_2019.page import paper_document, paper_sections, to_csv
+    from zhao_2019.page import paper_document, paper_sections
     from zhao_2019.study import reproduce
 
     check_destinations(json, csv, *(output or ()))
@@ -45,7 +45,10 @@ def paper(
     if document is not None:
         rendered = pages_of(document, pages, paper)
     hand_out(
-        [(json, lambda: json_text(study.to_dict())), (csv, lambda: to_csv(study))],
+        [
+            (json, lambda: json_text(study.to_dict())),
+            (csv, lambda: table_csv("finding", study.findings)),
+        ],
         None if pages else lambda: paper_sections(study),
         title=title,
         pages=rendered,

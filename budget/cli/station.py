@@ -110,8 +110,8 @@ def station(
     from budget.errors import SpecError
     from budget.inputs import load_requirement, load_station, load_stations
     from budget.inputs.load import try_all
-    from budget.report.document import json_text
-    from budget.report.stations import station_answer, station_csv, station_yaml
+    from budget.report.document import json_text, table_csv
+    from budget.report.stations import station_answer, station_yaml
     from budget.studies.stations import GUARD, RATIO, qualify
 
     others = () if write is None else (write,)
@@ -145,7 +145,7 @@ def station(
     hand_out(
         (
             (json, lambda: json_text(found.to_dict())),
-            (csv, lambda: station_csv(found)),
+            (csv, lambda: table_csv("station_figure", found.figures)),
         ),
         lambda: station_answer(found),
         title=found.title,

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from budget.documents import Documented, written
 from budget.errors import CallError, Issue, UnitError
 from budget.inputs.checking import nearest
 from budget.inputs.composer import UNSAFE, compose, forbid
@@ -346,18 +347,22 @@ def _replaced(base: Node, over: Node, *, depth: int) -> Node:
     return replace(base, value=merged)
 
 
+@written(
+    "changed_line",
+    """
+    line = address
+    from = old: what the file says, '(not there)' where it does not
+    to = new
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class Changed:
+class Changed(Documented):
     """What became of a change: a provenance, not what a file says."""
 
     texts: tuple[str, ...]  # as it was given; the last one counts
     address: Name
     old: str  # _ABSENT where the file has none
     new: str
-
-    def to_dict(self) -> dict[str, str]:
-        """Return what documents say of it."""
-        return {"line": self.address, "from": self.old, "to": self.new}
 
     @property
     def said(self) -> str:

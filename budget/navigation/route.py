@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from budget.documents import written
 from budget.earth import meridian_radius, normal_radius
 from budget.errors import ProblemError
 from budget.navigation.dynamics import Moment, each, level_body
@@ -135,6 +136,21 @@ class Moments:
         )
 
 
+@written(
+    "route",
+    """
+    latitude [rad]: where it begins and ends
+    longitude [rad]: likewise; null where it is not given
+    heights [m]: least and largest, above the ellipsoid
+    length [m]: of the way
+    duration [s]
+    speed [m/s]: largest
+    climb_rate [m/s]: largest, up or down
+    acceleration [m/s^2]: largest of north, east, down
+    turn_rate [rad/s]: largest, against north, east, down
+    hardest [s]: when the acceleration is largest
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Outline:
     """A route in a few numbers, in SI, by which its user sees a wrong unit.

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import hypot, inf, isfinite, isinf, sqrt
 from typing import TYPE_CHECKING
 
+from budget.documents import written
 from budget.language import term
 from budget.references.records import Item, NominalProperty, QuantityValue
 
@@ -32,6 +33,17 @@ Stated = QuantityValue | NominalProperty
 Pair = tuple[Stated | None, Stated | None]  # of one item, before and after
 
 
+@written(
+    "change",
+    """
+    where: 'device imu.yaml', 'tool', ...
+    key: of a file or setting, or of what the tool stands on
+    before: as the file spells it; '' where it was not there
+    after: likewise
+    acts: whether it alone moves any number; null where it cannot be tried alone
+    is_text: whether by design it moves no number
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Change:
     """One thing that is not what it was: a key of a file, a file, a version."""
@@ -51,6 +63,14 @@ class Change:
         )
 
 
+@written(
+    "cause",
+    """
+    change (str): in one line
+    amount [unit]: how much of the move it explains, by the law
+    """,
+    said="One thing that is not what it was: a key of a file, a file, a version.",
+)
 @dataclass(frozen=True, kw_only=True)
 class Cause:
     """How much of a move one change explains."""
@@ -102,6 +122,17 @@ class Move:
         return abs(self.difference) / self.scale
 
 
+@written(
+    "reference",
+    """
+    name = first
+    kind = job: 'analyze', 'mission', 'compare' or 'allocate'
+    holds: whether nothing moved
+    compared: how many numbers and words
+    sampled: how many of the numbers trials made
+    changes: of files, settings and versions
+    """,
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Difference:
     """Two budgets side by side: a reference and what it is now, or any two."""

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from textwrap import shorten
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from budget.documents import document, form
 from budget.inputs.files import bare_name
+from budget.inputs.records import Device, ErrorLine, Sensor, UnusedValue
 from budget.report.document import json_text
 from budget.report.inputs import sensor_blocks, unused_table
 from budget.report.pages import sections
-from budget.results import SCHEMA
-from budget.studies.grades import completeness, grade, kind_of_device
+from budget.studies.grades import (
+    Completeness,
+    completeness,
+    grade,
+    kind_of_device,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.records import Device, Sensor
     from budget.report.blocks import Section
 
 TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "range", "notes")
-REMARKS = ("includes", "horizon", "definition", "condition", "source")
 LONGEST = 40  # characters of a technology in the list, in its maker's words
 
 
@@ -55,82 +59,119 @@ def _sections(page: str, **view: object) -> tuple[Section, ...]:
 
 def list_to_json(devices: Sequence[Device]) -> str:
     """Write the list as JSON."""
-    return _dump({"devices": [_head(device) for device in devices]})
+    return json_text(document(devices, "device_list"))
 
 
 def device_to_json(device: Device) -> str:
     """Write one device as JSON: values as printed and as standard uncertainties."""
-    return _dump(
-        {
-            "device": {
-                **_head(device),
-                "source": device.source,
-                "notes": device.notes,
-                "range": device.range,
-                "sensors": [_sensor(sensor) for sensor in device.sensors],
-                "figures": [
-                    {
-                        "name": value.name,
-                        "value": value.value,
-                        "condition": value.condition,
-                        "meaning": value.meaning,
-                        "source": value.source,
-                    }
-                    for value in device.figures
-                ],
-                "assumptions": list(device.assumptions),
-            }
-        }
-    )
+    return json_text(document(device, "one_device"))
 
 
-def _head(device: Device) -> dict[str, Any]:
-    """Return what the list and the single device have in common."""
-    return {
-        "name": device.name,
-        "file": device.origin.file,
-        "sha256": device.origin.sha256,
-        "kind": kind_of_device(device),
-        "technology": device.technology,
-        "vendor": device.vendor,
-        "price": device.price,
-        "mass": device.mass,
-        "power": device.power,
-        "grades": {sensor.kind: grade(sensor) for sensor in device.sensors},
-        "completeness": {
-            sensor.kind: {
-                "given": completeness(sensor).given,
-                "expected": completeness(sensor).expected,
-            }
-            for sensor in device.sensors
-        },
-    }
+def _grades(device: Device) -> dict[str, str]:
+    """Return the grades of its triads."""
+    return {sensor.kind: grade(sensor) for sensor in device.sensors}
 
 
-def _sensor(sensor: Sensor) -> dict[str, Any]:
-    """Return one triad: its lines, and what is not given."""
-    return {
-        "sensor": sensor.kind,
-        "lines": [
-            {
-                "line": line.name,
-                "printed": line.printed,
-                "meaning": line.meaning,
-                "unit": line.unit,
-                "standard_uncertainty": (line.u / line.si_per_unit).tolist(),
-                "correlation_time": None
-                if line.correlation_time is None
-                else line.correlation_time.tolist(),
-                "distributions": [shape.name for shape in line.distributions],
-                **{name: getattr(line, name) for name in REMARKS},
-            }
-            for line in sensor.lines
-        ],
-        "not_given": list(sensor.not_given),
-        "expected_missing": list(sensor.expected_missing),
-    }
+def _completeness(device: Device) -> dict[str, Completeness]:
+    """Return of each triad how many of the expected lines are given."""
+    return {sensor.kind: completeness(sensor) for sensor in device.sensors}
 
 
-def _dump(content: dict[str, Any]) -> str:
-    """Write a document of schema `budget/1`."""
-    return json_text({"schema": SCHEMA, "command": "devices", **content})
+form(
+    "completeness",
+    """
+    given: lines that a verdict 'meets' needs
+    expected: that it needs
+    """,
+    Completeness,
+    said="One triad of a device: its nominal values and the lines of its data sheet.",
+)
+form(
+    "listed_device",
+    """
+    name
+    file = origin.file: base name, with #VARIANT where one was chosen
+    sha256 = origin.sha256: of its bytes
+    kind: 'gyro', 'accelerometer' or 'IMU'
+    technology: in the words of its maker
+    vendor
+    price
+    mass
+    power
+    grades: by triad, 'navigation', 'tactical', 'consumer' or '-'
+    completeness as completeness (dict[str, Completeness]): by triad
+    """,
+    Device,
+    kind=kind_of_device,
+    grades=_grades,
+    completeness=_completeness,
+)
+form(
+    "line",
+    """
+    line = name
+    printed: as the file gives it
+    meaning: how its number is meant, '1 sigma', 'max', ...
+    unit: as the file gives it
+    standard_uncertainty = u / si_per_unit (list[float]) [unit]: by axis
+    correlation_time (list[float] | None) [s]: by axis; null of what has none
+    distributions = distributions.name (list[str]): shapes by axis
+    includes: what it covers, in the words of the maker
+    horizon: after which time
+    definition: of the maker
+    condition: under which it holds
+    source: where it is printed
+    """,
+    ErrorLine,
+)
+form(
+    "sensor",
+    """
+    sensor = kind: 'gyro' or 'accelerometer'
+    lines as line
+    not_given: lines of the model that are absent
+    expected_missing: those of them that a verdict 'meets' cannot do without
+    """,
+    Sensor,
+)
+form(
+    "unused_value",
+    """
+    name
+    value: as the file gives it
+    condition: under which it holds
+    meaning: how its number is meant
+    source: where it is printed
+    """,
+    UnusedValue,
+)
+form(
+    "device",
+    """
+    *self as listed_device
+    source: where it all is printed
+    notes
+    range: the largest that its triads read, in words
+    sensors as sensor
+    figures as unused_value: values that no model uses
+    assumptions
+    """,
+    Device,
+)
+DEVICE_LIST = form(
+    "device_list",
+    """
+    devices = self as listed_device (tuple[Device, ...])
+    """,
+    tuple,
+    said="One device file, one variant of it.",
+    commands="devices",
+)
+ONE_DEVICE = form(
+    "one_device",
+    """
+    device = self as device (Device)
+    """,
+    Device,
+    commands="devices",
+)

@@ -7,6 +7,8 @@ import io
 import json
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import FORMS, document
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
@@ -32,6 +34,26 @@ def json_text(document: Mapping[str, Any]) -> str:
 def to_csv(budget: Budget) -> str:
     """Write one row for each output and source and one `total`, in printed units."""
     return csv_text(budget.columns, budget.rows())
+
+
+def table_csv(name: str, records: Iterable[object]) -> str:
+    """Write one row for each record, as the form of that name has columns."""
+    columns = FORMS[name].columns
+    documents = (document(one, name) for one in records)
+    return csv_text(
+        tuple(columns),
+        (
+            {head: _below(one, keys) for head, keys in columns.items()}
+            for one in documents
+        ),
+    )
+
+
+def _below(found: Any, keys: Sequence[str]) -> Any:  # noqa: ANN401 - of a document
+    """Return what stands under some keys, of a list its items one after another."""
+    for key in keys:
+        found = found and found[key]
+    return ", ".join(found) if isinstance(found, list) else found
 
 
 FORMULA = ("=", "+", "-", "@", "\t")  # what a spreadsheet takes for a formula

@@ -16,14 +16,13 @@ from budget.report.blocks import (
     assumptions_section,
     table_of,
 )
-from budget.report.document import csv_text
 from budget.report.tables import print_given
 from budget.studies.export.study import REFERENCE
 from budget.studies.export.template import END, GONE, HEADER, KEY
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.report.blocks import Block
     from budget.studies.export.study import Export
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 WIDTH = 88
 OPEN, CLOSE = "<!--", "-->"  # comments of XML
-COLUMNS = ("key", "sensor", "axis", "value", "unit", "from")
 # What Python (PEP 263) and editors (Vim, Emacs, YAML's server) obey in a comment.
 _ORDERS = re.compile(
     r"(coding|\bvim?[<=>]?\d*|\bex|local variables|language-server|-\*)(?=[:=-])",
@@ -179,16 +177,3 @@ def _value(one: Exported) -> Cell:
     """Return the value of a key, one where all axes are equal."""
     texts = [print_given(value, digits=_DIGITS) for value in one.values]
     return Cell(text=texts[0] if len(set(texts)) == 1 else ", ".join(texts))
-
-
-def export_csv(found: Export) -> str:
-    """Write one row for each key and axis, in the unit of the target."""
-    return csv_text(COLUMNS, map(_flat, found.rows()))
-
-
-def _flat(row: Mapping[str, object]) -> dict[str, object]:
-    """Return a record with its lists as texts."""
-    return {
-        key: ", ".join(map(str, value)) if isinstance(value, list) else value
-        for key, value in row.items()
-    }

@@ -16,12 +16,12 @@ from budget.errors import CallError
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import Name
-from budget.report.allocation.document import allocation_csv
 from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
 from budget.report.blocks import Cell
 from budget.report.comparison.document import to_csv as comparison_csv
-from budget.report.export import export_csv, write_export
+from budget.report.document import table_csv
+from budget.report.export import write_export
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
@@ -40,7 +40,6 @@ from budget.report.figures.timeline import schedule_chart
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks, line
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.stations import station_csv
 from budget.report.tables import AT_LEAST, group_tables
 from budget.results import COLUMNS, worst_of
 from budget.studies.allocation.records import Allocation
@@ -189,9 +188,9 @@ def study_frame(found: Tabled) -> pd.DataFrame:
 
     write: dict[type, Callable[[Any], str]] = {
         Comparison: comparison_csv,
-        Allocation: allocation_csv,
-        Qualification: station_csv,
-        Export: export_csv,
+        Allocation: lambda one: table_csv("allotment", one.sources),
+        Qualification: lambda one: table_csv("station_figure", one.figures),
+        Export: lambda one: table_csv("exported", one.rows),
     }
     text = StringIO(write[type(found)](found))
     return pd.read_csv(text, keep_default_na=False, na_values=[""])

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from budget.distributions import NORMAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
-from budget.report.document import csv_text
 from budget.report.pages import sections
 from budget.report.tables import DASH, DIGITS, Number, print_given, print_three
 from budget.studies.request import given_lines
@@ -29,10 +28,6 @@ if TYPE_CHECKING:
 ANY = "any"
 PER_CENT = 100.0
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
-COLUMNS = (
-    *("owner", "source", "unit", "any", "alone", "alone_stopped_by", "together"),
-    *("binding_outputs", "now", "takes_now", "within", "why"),
-)
 
 
 def station_answer(found: Qualification) -> tuple[Section, ...]:
@@ -64,18 +59,6 @@ def station_answer(found: Qualification) -> tuple[Section, ...]:
 def print_ratio(ratio: float) -> str:
     """Print a ratio of a limit to an uncertainty: '4:1'."""
     return f"{print_given(ratio, digits=DIGITS)}:1"
-
-
-def station_csv(found: Qualification) -> str:
-    """Write one row for each source, values in its unit."""
-    rows = (
-        {
-            key: ", ".join(value) if isinstance(value, list) else value
-            for key, value in one.to_dict().items()
-        }
-        for one in found.figures
-    )
-    return csv_text(COLUMNS, rows)
 
 
 def station_yaml(found: Qualification) -> str:

@@ -720,6 +720,7 @@ def _output_budgets(
                         sobol=_sobol_index(indices, name, k),
                         u_input=float(c[name].u_input[k]) if name in c else None,
                         sensitivity=float(c[name].c[k]) if name in c else None,
+                        line_unit=c[name].unit if name in c else None,
                     )
                     for name, variance in variances
                 ),

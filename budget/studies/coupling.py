@@ -9,6 +9,7 @@ import numpy as np
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
+from budget.documents import written
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.sources import SENSORS, source_of
@@ -30,6 +31,16 @@ RUNS = 4  # of the simulation for each source: enough to tell a spread from none
 PULSE_ROUNDING = 100.0  # [1]
 
 
+@written(
+    "coupling",
+    """
+    source
+    group: outputs of one name, on all axes
+    reaches: whether any of them spreads more than by rounding
+    size [1]: standard uncertainty over that of all sources together, the largest of
+      them
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Coupling:
     """What one source alone does to one group of parameters."""

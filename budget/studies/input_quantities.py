@@ -46,6 +46,7 @@ class Sensitivity:
 
     u_input: Array  # of the largest axis that reaches the output, (n_out,) [SI]
     c: Array  # shape (n_out,) [SI of the output over that of u_input]
+    unit: float  # size of the unit of the line [SI]
 
 
 def input_quantities(analysis: Analysis) -> tuple[InputQuantity, ...]:
@@ -77,7 +78,7 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
         reached = each >= REACHES * each.max(axis=1, keepdims=True, initial=0.0)
         u = np.where(reached, of_inputs, 0.0).max(axis=1, initial=0.0)
         c = np.sqrt(np.maximum(variance, 0.0)) / np.where(u > 0.0, u, np.inf)
-        found[group.name] = Sensitivity(u_input=u, c=c)
+        found[group.name] = Sensitivity(u_input=u, c=c, unit=_unit(line))
     return found
 
 
@@ -90,6 +91,16 @@ def _lines(analysis: Analysis) -> dict[Name, ErrorLine]:
     )
 
 
+def _reading(line: ErrorLine) -> float:
+    """Return what is how the number is read, which stands in the divisor."""
+    return WALK_PER_DENSITY[line.density] * line.reading
+
+
+def _unit(line: ErrorLine) -> float:
+    """Return the size of the unit of a line as it is printed [SI]."""
+    return line.si_per_unit / _reading(line)
+
+
 def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
     """Return one line as an input quantity."""
     shapes = dict.fromkeys(line.distributions)
@@ -100,9 +111,8 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
     differ = len(shapes) > 1 or meaning not in {*SIGMAS, *HALF_WIDTHS}
     differ |= not is_minimum and line.definition.startswith(("x ", "y ", "z "))
     own = None if differ else divisor(meaning, next(iter(shapes)))
-    # How the number is read stands in the divisor: the unit is left as printed.
-    reading = WALK_PER_DENSITY[line.density] * line.reading
-    si_per_unit = line.si_per_unit / reading
+    reading = _reading(line)
+    si_per_unit = _unit(line)
     if is_minimum:
         reading /= ALLAN_MINIMUM
     return InputQuantity(

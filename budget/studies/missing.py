@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.distributions import NORMAL
+from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_catalogue
 from budget.inputs.records import ErrorLine
@@ -44,6 +45,14 @@ if TYPE_CHECKING:
 REFUSE, WORST, TYPICAL, PREDICT = MODES = ("refuse", "worst", "typical", "predict")
 
 
+@written(
+    "filling",
+    """
+    mode
+    filled = lines
+    left
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Filling:
     """What stands in the place of the lines that a device does not give."""
@@ -75,14 +84,6 @@ class Filling:
             left=(*self.left, *other.left),
             prediction=joined(both) if both else None,
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "mode": self.mode,
-            "filled": [line.to_dict() for line in self.lines],
-            "left": list(self.left),
-        }
 
 
 def check_mode(mode: str) -> None:

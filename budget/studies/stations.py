@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import isfinite, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from budget.calibration.schemes import (
     with_accelerometers,
 )
 from budget.distributions import NORMAL, normal_coverage_factor
+from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import (
     load_calibration,
@@ -66,7 +67,7 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.results import SCHEMA, InputFile, Tabled, input_files, inputs_document
+from budget.results import InputFile, Tabled, input_files
 from budget.sentences import sentence
 from budget.studies.blunders import against_limits
 from budget.studies.lower_bounds import expecting
@@ -119,6 +120,24 @@ USUAL_TIME = 1800.0  # of a temperature whose time nothing says [s]
 DOES, DOES_NOT, NO_FIGURES = "does", "does not", "no figures"
 
 
+@written(
+    "station_figure",
+    """
+    owner = source.owner: 'station' or 'environment'
+    source
+    unit
+    any = is_any: whether it reaches no limited output
+    alone / unit: what it may be, the others being 0; null where any value will do
+    alone_stopped_by = stopped_by: outputs that are at their limits then
+    together / unit: what it may be, all sharing the limits; null where any value will
+      do
+    binding_outputs: at their limits then, where it takes most
+    now / unit: of the procedure's own station, largest axis
+    takes_now [1]: of the part of a limit that a station may take, where that is most
+    within = is_within: whether it is now no more than its part
+    why: any value will do, or the first order is 0
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class StationFigure:
     """One source of station or environment: what it may be, 1 sigma, normal."""
@@ -150,28 +169,30 @@ class StationFigure:
             return True
         return None if self.together is None else settle(self.now) <= self.together
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in its unit."""
 
-        def size(value: float | None) -> float | None:
-            return None if value is None else value / self.si_per_unit
-
-        return {
-            "owner": self.source.owner,
-            "source": self.source,
-            "unit": self.unit,
-            "any": self.is_any,
-            "alone": size(self.alone),
-            "alone_stopped_by": list(self.stopped_by),
-            "together": size(self.together),
-            "binding_outputs": list(self.binding_outputs),
-            "now": size(self.now),
-            "takes_now": self.takes_now,
-            "within": self.is_within,
-            "why": self.why,
-        }
-
-
+@written(
+    "station_output",
+    """
+    output = output.name
+    unit = output.unit
+    limit / unit: on the absolute error
+    expanded_uncertainty = expanded / unit: of the station alone
+    utilisation [1]: of the part of the limit that a station may take
+    ratio [1]: limit over the expanded uncertainty; null where that is 0
+    station_acceptance_limit = station_acceptance / unit: were the station alone
+      uncertain
+    limiting_source = sources.0: that takes most of the station's part
+    measurement_expanded_uncertainty = whole / unit: of the whole measurement
+    measurement_limiting_source = whole_sources.0: that takes most of that
+    test_uncertainty_ratio = test_ratio [1]: limit over that; null where it is 0
+    acceptance_limit = acceptance / unit: largest measured value that is accepted; null
+      where none is
+    parameter_standard_uncertainty = prior / unit: by the lines of the device, before
+      the measurement
+    false_accept [1]: probability of accepting what is beyond the limit; null where no
+      line says how far the parameter is from nominal
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class StationOutput:
     """One limited output at one station."""
@@ -194,6 +215,11 @@ class StationOutput:
     false_accept: float | None
 
     @property
+    def ratio(self) -> float | None:
+        """Limit over U of the station alone; None where that is 0."""
+        return self.limit / self.expanded if self.expanded > 0.0 else None
+
+    @property
     def test_ratio(self) -> float | None:
         """Test uncertainty ratio, limit over U of the whole; None where that is 0."""
         return self.limit / self.whole if self.whole > 0.0 else None
@@ -203,30 +229,24 @@ class StationOutput:
         """Whether more false accepts are to be expected than Z540.3 allows."""
         return settle(self.false_accept or 0.0) > MOST_FALSE_ACCEPT
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in the unit of the output."""
-        size = self.output.si_per_unit
-        accepted, by_station = self.acceptance, self.station_acceptance
-        return {
-            "output": self.output.name,
-            "unit": self.output.unit,
-            "limit": self.limit / size,
-            "expanded_uncertainty": self.expanded / size,
-            "utilisation": self.utilisation,
-            "ratio": self.limit / self.expanded if self.expanded > 0.0 else None,
-            "station_acceptance_limit": None
-            if by_station is None
-            else by_station / size,
-            "limiting_source": next(iter(self.sources), None),
-            "measurement_expanded_uncertainty": self.whole / size,
-            "measurement_limiting_source": next(iter(self.whole_sources), None),
-            "test_uncertainty_ratio": self.test_ratio,
-            "acceptance_limit": None if accepted is None else accepted / size,
-            "parameter_standard_uncertainty": self.prior / size,
-            "false_accept": self.false_accept,
-        }
 
-
+@written(
+    "station_verdict",
+    """
+    name
+    file
+    own = is_own: whether it is that of the procedure
+    verdict: 'does', 'does not', 'no figures'
+    utilisation [1]: the largest of all outputs
+    ratio = worst.ratio [1]: least limit over expanded uncertainty; null where all are 0
+    worst_output (str | None): that uses most of its part
+    limiting_source = worst.sources.0: that takes most of that
+    test_uncertainty_ratio = test_ratio [1]: the least of all outputs
+    false_accept [1]: the largest of all outputs
+    outputs
+    """,
+    worst_output=lambda one: one.worst.output.name if one.worst.ratio else None,
+)
 @dataclass(frozen=True, kw_only=True)
 class StationVerdict:
     """One station at this test: whether its part of every limit is small enough."""
@@ -277,23 +297,37 @@ class StationVerdict:
             return NO_FIGURES
         return DOES if settle(self.utilisation) <= 1.0 else DOES_NOT
 
-    def to_dict(self, ratio: float) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "name": self.name,
-            "file": self.file,
-            "own": self.is_own,
-            "verdict": self.verdict,
-            "utilisation": self.utilisation,
-            "ratio": ratio / self.utilisation if self.utilisation > 0.0 else None,
-            "worst_output": self.worst.output.name if self.utilisation > 0.0 else None,
-            "limiting_source": next(iter(self.worst.sources), None),
-            "test_uncertainty_ratio": self.test_ratio,
-            "false_accept": self.false_accept,
-            "outputs": [row.to_dict() for row in self.outputs],
-        }
 
-
+@written(
+    "stations",
+    """
+    title: names of the devices
+    inputs by role as file
+    settings = self as station_settings
+    does = doing (bool): whether any station will do
+    standings as standing: on what is calibrated by this test, at its own station
+    sources = figures: what each figure may be
+    stations: the procedure's own first
+    assumptions
+    warnings
+    """,
+    commands="station",
+)
+@written(
+    "station_settings",
+    """
+    method = 'gum' (str)
+    strategy: how limits are shared out
+    ratio [1]: of every limit over the station's expanded uncertainty, that is asked for
+    guard [1]: guard band over the expanded uncertainty of the measurement
+    most_false_accept (float) [1]: ANSI/NCSL Z540.3
+    coverage [1]: of the requirement
+    coverage_factor [1]
+    reference: what an error is one against
+    formulas = procedure.formulas (str)
+    """,
+    most_false_accept=lambda _: MOST_FALSE_ACCEPT,
+)
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Qualification(Tabled):
     """Everything that `budget station` says."""
@@ -326,35 +360,6 @@ class Qualification(Tabled):
     def doing(self) -> tuple[StationVerdict, ...]:
         """The stations that will do."""
         return tuple(one for one in self.stations if one.verdict == DOES)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`."""
-        return {
-            "schema": SCHEMA,
-            "command": "station",
-            "title": self.title,
-            "inputs": inputs_document(self.inputs),
-            "settings": {
-                "method": "gum",
-                "strategy": self.strategy,
-                "ratio": self.ratio,
-                "guard": self.guard,
-                "most_false_accept": MOST_FALSE_ACCEPT,
-                "coverage": self.coverage,
-                "coverage_factor": self.coverage_factor,
-                "reference": self.reference,
-                "formulas": self.procedure.formulas,
-            },
-            "does": bool(self.doing),
-            "standings": [
-                {"sensor": owner, "verdict": one.verdict, **one.to_dict()}
-                for owner, one in self.standings
-            ],
-            "sources": [figure.to_dict() for figure in self.figures],
-            "stations": [one.to_dict(self.ratio) for one in self.stations],
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-        }
 
 
 def qualify(

@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.distributions import normal_coverage_factor
+from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs.use import STATED
 from budget.language import axis_title, key_title, say
@@ -601,6 +602,15 @@ FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]
 LARGEST = 1e3  # factor up to which it is asked what will do [1]
 
 
+@written(
+    "step",
+    """
+    factor [1]: on its standard uncertainty
+    expanded_uncertainty = expanded / unit: half the coverage interval of the output
+    utilisation [1]: the largest; null where nothing is required
+    verdict: the gravest; '' where nothing is required
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Step:
     """One size of one source, all others as they are."""
@@ -612,8 +622,23 @@ class Step:
     verdict: str  # the gravest; '' where nothing is required
 
 
+@written(
+    "one_at_a_time",
+    """
+    source = source.name
+    output = output.name: where its share is largest
+    unit = output.unit
+    share [1]: of the variance of that output as it is
+    lower_bound: whether a line that is not given would widen that output
+    meets_up_to = most or null [1]: largest factor at which all limits are kept; null
+      where none is, or any will do
+    meets_at_any (bool)
+    steps
+    """,
+    meets_at_any=lambda row: row.most == inf,
+)
 @dataclass(frozen=True, kw_only=True)
-class SourceSteps:
+class SourceSteps(Documented):
     """One source in several sizes, seen at the output where its share is largest.
 
     The verdict, and the part of the limit, are of all that is judged by the source:
@@ -629,28 +654,6 @@ class SourceSteps:
     # Largest factor at which all these limits are kept, the others as they are [1];
     # None where not even 0 is enough, or nothing is limited; inf where any will do.
     most: float | None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in printed units."""
-        scale = self.output.si_per_unit
-        return {
-            "source": self.source.name,
-            "output": self.output.name,
-            "unit": self.output.unit,
-            "share": self.share,
-            "lower_bound": self.lower_bound,
-            "meets_up_to": self.most if self.most != inf else None,
-            "meets_at_any": self.most == inf,
-            "steps": [
-                {
-                    "factor": step.factor,
-                    "expanded_uncertainty": step.expanded / scale,
-                    "utilisation": step.utilisation,
-                    "verdict": step.verdict,
-                }
-                for step in self.steps
-            ],
-        }
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:

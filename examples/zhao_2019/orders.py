@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import cos, floor, log10, sin
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.documents import written
 from budget.earth import ROTATION_RATE
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.names import PARAMETERS, Name
@@ -209,6 +210,17 @@ def _probabilities(
     return single, mean
 
 
+@written(
+    "sweep",
+    """
+    figure: of the paper
+    source
+    parameter = given.parameter (str)
+    size (list[float]) [1]: of the step
+    errors (Mapping[str, list[float]]) [1]: relative, by axis or angle
+    """,
+    errors=lambda one: dict(zip(one.names, one.errors, strict=True)),
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sweep:
     """One of the four figures, computed: relative errors against the step."""
@@ -244,16 +256,6 @@ class Sweep:
             self.size - self.size[0]
         )
         return float(np.abs(self.errors - line).max() / self.largest)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "figure": self.figure,
-            "source": self.source,
-            "parameter": self.given.parameter,
-            "size": self.size.tolist(),
-            "errors": dict(zip(self.names, self.errors.tolist(), strict=True)),
-        }
 
 
 def compute_sweeps(conditions: Conditions) -> tuple[Sweep, ...]:

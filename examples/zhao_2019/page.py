@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import ENGLISH, spoken
 from budget.report.blocks import Abreast, Cell, Document, ForPages
-from budget.report.document import csv_text, json_text
+from budget.report.document import json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.formulas import with_math
 from budget.report.pages import blocks, document
@@ -23,7 +23,6 @@ from zhao_2019.printed import (
     Verdict,
     say_number,
 )
-from zhao_2019.study import COLUMNS
 
 if TYPE_CHECKING:
     from budget.report.blocks import Section
@@ -96,11 +95,6 @@ def _page(study: PaperStudy) -> Page:
         reason=reason,
         with_math=with_math,
     )
-
-
-def to_csv(study: PaperStudy) -> str:
-    """Write one line for each row, numbers with all their digits."""
-    return csv_text(COLUMNS, map(vars, study.findings))
 
 
 def printed_cell(printed: str) -> Cell:

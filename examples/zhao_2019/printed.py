@@ -14,6 +14,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from budget.documents import written
 from budget.inputs.checking import check
 from budget.inputs.fields import Strict, fault, faults
 from budget.inputs.reader import read
@@ -52,6 +53,23 @@ U_MEAN = note("u, mean over {runs} runs", runs=RUNS)
 WORD = term("word")
 
 
+@written(
+    "finding",
+    """
+    section: part of the study
+    where: the number stands in the paper
+    printed: as it is
+    ours [as printed]: a number where the paper prints one, else words
+    quantity: what a number of ours is
+    ratio [1]: ours over printed, of absolute values; null where one is no number or
+      zero
+    verdict
+    p_single [1]: probability of values at least as extreme in a single run; of an order
+      of magnitude, of that order
+    p_mean [1]: likewise in a mean over 25
+    why: in words
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Finding:
     """One row."""

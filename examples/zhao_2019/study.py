@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.documents import Documented, written
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
-from budget.results import SCHEMA, inputs_document
 from budget.sentences import sentence
 from budget.studies.coupling import CouplingTable, coupling
 from budget.units import ARCSEC, DEG_PER_HOUR
@@ -33,16 +33,27 @@ if TYPE_CHECKING:
     from zhao_2019.printed import Conclusion, Paper
 
 YES, NO = "affects", "no effect"
-COLUMNS = (  # of a finding, in documents
-    *("section", "where", "printed", "ours", "quantity", "ratio", "verdict"),
-    *("p_single", "p_mean", "why"),
-)
 # A simulation that takes no time: none from some is told by any sampling.
 SAMPLE_RATE, DWELL = 10.0, 20.0  # [Hz], [s]
 
 
+@written(
+    "paper",
+    """
+    title = paper.title (str)
+    inputs by role as file
+    rows = findings: every number and claim
+    verdicts = paper.verdicts (Mapping[str, str]): what each means
+    sweeps: figures 1 to 4
+    coupling = table.cells: who couples to whom
+    assumptions = paper.assumptions (tuple[str, ...])
+    warnings (list[str])
+    """,
+    commands="paper",
+    warnings=lambda _: (),
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PaperStudy:
+class PaperStudy(Documented):
     """Everything the paper prints in section 3, beside ours."""
 
     paper: Paper  # what it prints
@@ -69,31 +80,6 @@ class PaperStudy:
             for row in self.findings
             if row.verdict == Verdict.UNEXPLAINED and row.is_summary
         )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`, full precision."""
-        return {
-            "schema": SCHEMA,
-            "command": "paper",
-            "title": self.paper.title,
-            "inputs": inputs_document(self.inputs),
-            "rows": [
-                {name: getattr(row, name) for name in COLUMNS} for row in self.findings
-            ],
-            "verdicts": self.paper.verdicts,
-            "sweeps": [sweep.to_dict() for sweep in self.sweeps],
-            "coupling": [
-                {
-                    "source": cell.source,
-                    "group": cell.group,
-                    "reaches": cell.reaches,
-                    "size": cell.size,
-                }
-                for cell in self.table.cells
-            ],
-            "assumptions": list(self.paper.assumptions),
-            "warnings": [],
-        }
 
 
 def reproduce() -> PaperStudy:

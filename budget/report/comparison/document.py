@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import document, form_of
 from budget.report.document import csv_text
-from budget.studies.comparison.records import DEVICES
 from budget.studies.missing import PREDICT
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from budget.studies.comparison.records import Comparison
 
 COLUMNS = (
@@ -61,13 +60,13 @@ def json_pieces(comparison: Comparison) -> Iterator[str]:
     times the room of their text. Raises as to_json does.
     """
     start = "{\n"
-    for key, value in comparison.frame().items():
+    for key, value in form_of(comparison).entries(comparison):
         yield f"{start} {json.dumps(key)}: "
         start = ",\n"
-        if key != DEVICES or not comparison.devices:
-            yield _dumps(value, depth=1)
+        if not isinstance(value, Iterator) or not comparison.devices:
+            yield _dumps(list(value) if isinstance(value, Iterator) else value, depth=1)
             continue
-        for place, one in enumerate(comparison.entries()):
+        for place, one in enumerate(value):
             yield ("[\n  " if place == 0 else ",\n  ") + _dumps(one, depth=2)
         yield "\n ]"
     yield "\n}\n"
@@ -93,7 +92,7 @@ def to_csv(comparison: Comparison) -> str:
 
 def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
     """Yield the entries of the JSON document, one for each output, without lists."""
-    for one in comparison.entries():
+    for one in map(document, comparison.ranked):
         predicted = one.get("predicted", {})
         first: dict[str, Any] = next(iter(predicted.get("worth_asking", [])), {})
         for output in one["outputs"]:
@@ -113,7 +112,7 @@ def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
                 "interval_high": high,
             }
     for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
-        one = entrant.to_dict()
+        one = document(entrant)
         yield {**one, "device": entrant.name, "conditions": _conditions(one)}
 
 

@@ -2,98 +2,100 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from budget.report.document import csv_text, json_text
+from budget.documents import document, form
+from budget.references.difference import Difference, Move
+from budget.report.document import json_text, table_csv
 from budget.report.reference.sections import cause_texts, together_text
-from budget.results import SCHEMA
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.references.difference import Difference, Move
-
-COLUMNS = (
-    *("reference", "subject", "quantity", "partner", "unit", "before", "after"),
-    *("difference", "relative", "sampled", "times", "because"),
-)
-
 
 def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
     """Write the JSON document of `check`; `errors` are those of bad references."""
-    return json_text(
-        {
-            "schema": SCHEMA,
-            "command": "check",
-            "holds": not errors and all(one.holds for one in checks),
-            "references": [
-                {
-                    "name": one.first,
-                    "kind": one.job,
-                    "holds": one.holds,
-                    "compared": one.compared,
-                    "sampled": one.sampled,
-                    "changes": [asdict(change) for change in one.changes],
-                }
-                for one in checks
-            ],
-            "moved": _moved(checks),
-            "errors": list(errors),
-        }
-    )
+    return json_text(document((checks, errors), "check"))
 
 
 def difference_json(difference: Difference) -> str:
     """Write the JSON document of `diff`, the largest change first."""
-    return json_text(
-        {
-            "schema": SCHEMA,
-            "command": "diff",
-            "first": difference.first,
-            "second": difference.second,
-            "kind": difference.job,
-            "compared": difference.compared,
-            "changes": [asdict(change) for change in difference.changes],
-            "moved": [_move(move) for move in difference.moves],
-        }
-    )
+    return json_text(document(difference, "difference"))
 
 
 def differences_csv(differences: Sequence[Difference]) -> str:
     """Write one row for each number or word that moved."""
-    return csv_text(COLUMNS, _moved(differences))
+    return table_csv("moved", _moved(differences))
 
 
-def _moved(differences: Sequence[Difference]) -> list[dict[str, Any]]:
-    """Return the entries of `moved`, each with the name of what it is in."""
-    return [
-        {"reference": one.first, **_move(move)}
-        for one in differences
-        for move in one.moves
-    ]
+def _moved(differences: Sequence[Difference]) -> list[tuple[str, Move]]:
+    """Return what moved, each with the name of what it is in."""
+    return [(one.first, move) for one in differences for move in one.moves]
 
 
-def _move(move: Move) -> dict[str, Any]:
-    """Return one entry of `moved`."""
+def _because(move: Move) -> str:
+    """Say which changes explain how much of a move."""
     because = [f"{one.key} {part}" for one, part in cause_texts(move)]
     if together := together_text(move):
         because.append(f"together {together}")
-    return {
-        "subject": move.item.subject,
-        "quantity": move.item.quantity,
-        "partner": move.item.partner,
-        "unit": move.unit,
-        "before": move.before,
-        "after": move.after,
-        "difference": move.difference,
-        "relative": move.relative,
-        "sampled": move.is_sampled,
-        "times": move.times,
-        "causes": [
-            {"change": str(cause.change), "amount": cause.amount}
-            for cause in move.causes
-        ],
-        "together": move.together,
-        "because": "; ".join(because),
-    }
+    return "; ".join(because)
+
+
+form(
+    "difference_moved",
+    """
+    subject = item.subject: what it is of, 'gyro.bias.x', 'hg4930.yaml#C gyro'
+    quantity = item.quantity: 'standard_uncertainty', 'verdict', ...
+    partner = item.partner: a source, or the other output of a correlation
+    unit: of a number
+    before: null where there was none
+    after: null where there is none
+    difference [unit]: null of words
+    relative [1]: difference over the value before
+    sampled = is_sampled: whether another seed gives another value
+    times [1]: difference over its tolerance or, of a sampled number, over the standard
+      error of a difference
+    causes not in CSV: changes that explain some of it
+    together not in CSV [unit]: what all changes do at once beyond the sum of what each
+      does alone
+    because: causes, in words
+    """,
+    Move,
+    because=_because,
+)
+form(
+    "moved",
+    """
+    reference = 0 (str): in which
+    *1 as difference_moved
+    """,
+    tuple,
+    said="One number or word that is not what it was.",
+)
+DIFFERENCE = form(
+    "difference",
+    """
+    first: how it is called
+    second
+    kind = job: 'analyze', 'mission', 'compare' or 'allocate'
+    compared: how many numbers and words
+    changes: of files, settings and versions
+    moved = moves as difference_moved: the largest change first
+    """,
+    Difference,
+    commands="diff",
+)
+CHECK = form(
+    "check",
+    """
+    holds (bool): whether nothing moved and nothing is wrong with a reference
+    references = 0 as reference (tuple[Difference, ...])
+    moved as moved (tuple[Move, ...]): in all of them
+    errors = 1 (list[str]): of references that are none
+    """,
+    tuple,
+    said="Two budgets side by side: a reference and what it is now, or any two.",
+    commands="check",
+    holds=lambda found: not found[1] and all(one.holds for one in found[0]),
+    moved=lambda found: _moved(found[0]),
+)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
+from budget.documents import Documented, written
 from budget.names import Name
-from budget.results import SCHEMA, Tabled, inputs_document
+from budget.results import Tabled
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -25,6 +26,15 @@ SHARED = "shared"  # by both triads: of the station or the environment, stays
 NOT_REQUIRED = "not required"  # its sensor has no limits
 
 
+@written(
+    "limit_part",
+    """
+    source: or 'interaction', 'mean'
+    now [1]: of the squared limit
+    allowed [1]: null where the requirement cannot be met
+    floor [1]: with every free source as small as it may be
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class LimitPart:
     """What one source takes of one squared limit, k^2 u^2 / limit^2 [1]."""
@@ -40,8 +50,33 @@ class LimitPart:
         return self.floor if self.allowed is None else self.allowed
 
 
+@written(
+    "shared_limit",
+    """
+    output = output.name
+    unit = output.unit
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    limit / unit: on the absolute error
+    utilisation_now = now [1]: largest interval end over limit
+    utilisation_allowed = allowed [1]: the same after the allocation
+    utilisation_floor = floor [1]: the same of what cannot be allocated
+    binding = is_binding: whether it is at its limit after the allocation
+    lower_bound: whether a line that is not given would take a part of it too
+    parts: what each source takes of the squared limit
+    """,
+)
+@written(
+    "relaxation",
+    """
+    output = output.name
+    unit = output.unit
+    limit / unit: on the absolute error
+    needed / unit (float): the least that what cannot be allocated leaves room for
+    """,
+    needed=lambda row: row.floor * row.limit,
+)
 @dataclass(frozen=True, kw_only=True)
-class LimitedOutput:
+class LimitedOutput(Documented):
     """One limit, and how it is shared out."""
 
     output: Output
@@ -64,22 +99,16 @@ class LimitedOutput:
         """Utilisation after the allocation, of an impossible limit what is held [1]."""
         return self.floor if self.allowed is None else self.allowed
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in printed units."""
-        return {
-            "output": self.output.name,
-            "unit": self.output.unit,
-            "resolution": self.output.resolution / self.output.si_per_unit,
-            "limit": self.limit / self.output.si_per_unit,
-            "utilisation_now": self.now,
-            "utilisation_allowed": self.allowed,
-            "utilisation_floor": self.floor,
-            "binding": self.is_binding,
-            "lower_bound": self.lower_bound,
-            "parts": [asdict(part) for part in self.parts],
-        }
 
-
+@written(
+    "headroom",
+    """
+    value / unit: 0 where an output that it reaches fails even without it
+    stopped_by = stopped_by.0: the first output that is at its limit then; null at its
+      ceiling
+    all_that_stop = stopped_by not in CSV: all of them
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Headroom:
     """How far one source may go alone, the others as they are."""
@@ -88,8 +117,32 @@ class Headroom:
     stopped_by: tuple[Name, ...]  # outputs; (): its ceiling, no limit before that
 
 
+@written(
+    "allotment",
+    """
+    sensor = source.owner
+    source
+    unit: as the file gives it
+    status: 'free', 'held', 'zero', 'shared', 'not required'
+    now / unit: standard uncertainty of the largest axis
+    allowed / unit: what it may be; null where the requirement cannot be met
+    uncorrected / unit: the same by the law alone, where Monte Carlo corrected it
+    binding_output = binding_outputs.0: at its limit, where the source takes most
+    at_ceiling: whether it is as large as it may be asked for
+    at_least: whether it is as small as it may be asked for
+    spared = is_spared: whether it is left as it is, others being what matters at a
+      limit
+    ceiling / unit: null of what is not free
+    least / unit: likewise
+    binding_outputs not in CSV: all that are at their limits, where it takes most
+    headroom as headroom: how far it may go alone, the others as they are
+    best_offered / unit: the least in the catalogue
+    counts = is_significant: whether it takes a thousandth of a squared limit, at its
+      ceiling at the latest
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class SourceAllotment:
+class SourceAllotment(Documented):
     """One line of a data sheet: what it is and what it may be.
 
     Values are standard uncertainties of the largest axis; one factor is for all.
@@ -139,40 +192,19 @@ class SourceAllotment:
             and self.allowed < self.best_offered
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, in the unit of its file."""
 
-        def size(value: float | None) -> float | None:
-            return None if value is None else value / self.si_per_unit
-
-        room = self.headroom
-        return {
-            "sensor": self.source.owner,
-            "source": self.source,
-            "unit": self.unit,
-            "status": self.status,
-            "now": size(self.now),
-            "allowed": size(self.allowed),
-            "uncorrected": size(self.uncorrected),
-            "binding_output": next(iter(self.binding_outputs), None),
-            "at_ceiling": self.at_ceiling,
-            "at_least": self.at_least,
-            "spared": self.is_spared,
-            "ceiling": size(self.ceiling),
-            "least": size(self.least),
-            "binding_outputs": list(self.binding_outputs),
-            "headroom": None
-            if room is None
-            else {
-                "value": size(room.value),
-                "stopped_by": next(iter(room.stopped_by), None),
-                "all_that_stop": list(room.stopped_by),
-            },
-            "best_offered": size(self.best_offered),
-            "counts": self.is_significant,
-        }
-
-
+@written(
+    "coverage_check",
+    """
+    output
+    trials
+    covered [1]: part of the trials within the interval of the law
+    factor_before [1]: coverage factor of the law
+    factor [1]: the one that was allocated with in the end
+    reached [1]: largest end of the trials' interval over the limit
+    corrected = is_corrected: whether the coverage of the law was too far off
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class CoverageCheck:
     """Monte Carlo at the allocated values, for one output at its limit."""
@@ -190,6 +222,14 @@ class CoverageCheck:
         return self.factor != self.factor_before
 
 
+@written(
+    "saving",
+    """
+    outputs: those of one parameter that are at their limits
+    saves [unit of cost]: by one percent more on these limits
+    part [1]: of the cost of the sensor
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Saving:
     """What one percent more on the limits of one parameter would save."""
@@ -199,6 +239,19 @@ class Saving:
     part: float  # of the cost of that sensor [1]
 
 
+@written(
+    "cost_report",
+    """
+    sensor
+    now [unit of cost]: of the sources that are free
+    cost [unit of cost]: of what is allocated
+    residual [1]: of the conditions of Karush, Kuhn and Tucker
+    gap [1]: duality gap over the cost
+    is_optimal
+    solver
+    savings: the largest first
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class CostReport:
     """The cost of one sensor, and what shows that it is the least one."""
@@ -213,6 +266,19 @@ class CostReport:
     savings: tuple[Saving, ...]
 
 
+@written(
+    "longer_test",
+    """
+    sensor
+    name: 'turns' or 'dwell'
+    goal: 'devices as they are', or 'what is held'
+    now [turns, or s]
+    needed [turns, or s]: null where no value that was tried meets
+    tried_to [turns, or s]
+    utilisation [1]: the largest at what is needed, else the least that was found
+    best [turns, or s]: where that is
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class LongerTest:
     """What a change of the procedure would do for one sensor."""
@@ -227,6 +293,14 @@ class LongerTest:
     best: float  # where that is
 
 
+@written(
+    "line_match",
+    """
+    source
+    ratio [1]: worst axis over what that axis may have; null where it is not given
+    how: '' or what was converted to compare
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class LineMatch:
     """One line of a catalogue device against what is allowed."""
@@ -237,6 +311,17 @@ class LineMatch:
     how: str  # '' or what was converted to compare
 
 
+@written(
+    "match",
+    """
+    name = device
+    file
+    sensor
+    meets: whether every allocated line is given and small enough
+    lines
+    extra: lines that it gives and that nothing was allotted to
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Match:
     """One triad of the catalogue against the allocated lines."""
@@ -271,21 +356,19 @@ class Match:
         """Whether every allocated line is given and small enough."""
         return not self.missing and not self.beyond
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "name": self.device,
-            "file": self.file,
-            "sensor": self.sensor,
-            "meets": self.meets,
-            "lines": [
-                {"source": line.source, "ratio": line.ratio, "how": line.how}
-                for line in self.lines
-            ],
-            "extra": list(self.extra),
-        }
 
-
+@written(
+    "recalibration",
+    """
+    sensor
+    goal: of which lines, as they are, as allocated
+    age [s]: at which a limit is reached; null where it is passed at the youngest that
+      was tried, or not reached at the oldest
+    utilisation [1]: of the limits, there
+    not_given: expected lines that would make it sooner
+    is_soon: whether a limit is passed at the youngest age that was tried
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Recalibration:
     """How old a calibration may be before a limit is reached."""
@@ -303,11 +386,42 @@ class Recalibration:
         """Whether a limit is passed at the youngest age that was tried."""
         return self.age is None and self.utilisation > 1.0
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it; the age in seconds."""
-        return {**asdict(self), "is_soon": self.is_soon}
 
-
+@written(
+    "allocation",
+    """
+    title: names of the devices
+    inputs by role as file
+    settings = self as allocation_settings
+    feasible: whether the requirement can be met
+    standings as standing: of what is allocated; none where nothing is
+    not_allocated: sensors that have limits and are not given
+    not_estimated?: what has limits and is held in the test
+    sources: what each line is and may be
+    outputs: how each limit is shared out
+    relaxations = impossible as relaxation: limits that what cannot be allocated passes
+    levers = longer_tests: what a change of the procedure would do
+    recalibrations?: how old a calibration may be
+    costs: by sensor, where costs are given
+    checks: by Monte Carlo, of outputs at their limits
+    devices = matches: of the catalogue, against what is allocated
+    not_given: lines of the data sheet that are absent
+    assumptions
+    warnings
+    """,
+    commands="allocate",
+)
+@written(
+    "allocation_settings",
+    """
+    method = 'gum' (str)
+    strategy: how limits are shared out
+    seed: of the trials that check it
+    coverage [1]: of the requirement
+    reference: what an error is one against
+    formulas: of the calibration
+    """,
+)
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Allocation(Tabled):
     """Everything that `budget allocate` says."""
@@ -356,53 +470,3 @@ class Allocation(Tabled):
     def impossible(self) -> tuple[LimitedOutput, ...]:
         """Outputs whose limits are passed by what cannot be allocated."""
         return tuple(row for row in self.outputs if row.floor > 1.0)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`, in the units of the files."""
-        return {
-            "schema": SCHEMA,
-            "command": "allocate",
-            "title": self.title,
-            "inputs": inputs_document(self.inputs),
-            "settings": {
-                "method": "gum",
-                "strategy": self.strategy,
-                "seed": self.seed,
-                "coverage": self.coverage,
-                "reference": self.reference,
-                "formulas": self.formulas,
-            },
-            "feasible": self.feasible,
-            "standings": [
-                {"sensor": owner, "verdict": one.verdict, **one.to_dict()}
-                for owner, one in self.standings
-            ],
-            "not_allocated": list(self.not_allocated),
-            **({"not_estimated": held} if (held := list(self.not_estimated)) else {}),
-            "sources": [source.to_dict() for source in self.sources],
-            "outputs": [row.to_dict() for row in self.outputs],
-            "relaxations": [
-                {
-                    "output": row.output.name,
-                    "unit": row.output.unit,
-                    "limit": row.limit / row.output.si_per_unit,
-                    "needed": row.floor * row.limit / row.output.si_per_unit,
-                }
-                for row in self.impossible
-            ],
-            "levers": [asdict(test) for test in self.longer_tests],
-            **(
-                {"recalibrations": [one.to_dict() for one in self.recalibrations]}
-                if self.recalibrations
-                else {}
-            ),
-            "costs": [asdict(cost) for cost in self.costs],
-            "checks": [
-                {**asdict(check), "corrected": check.is_corrected}
-                for check in self.checks
-            ],
-            "devices": [match.to_dict() for match in self.matches],
-            "not_given": list(self.not_given),
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-        }

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from budget.results import SCHEMA, Tabled
+from budget.documents import Documented, written
+from budget.results import VERDICTS, Tabled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -24,9 +25,7 @@ if TYPE_CHECKING:
     from budget.studies.judgement import Judged
     from budget.studies.missing import Filling
 
-UNKNOWN_CONFORMANCE = {"conformance": None, "conformance_interval": None}
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
-DEVICES = "devices"  # in the JSON document, best first
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +37,16 @@ class Remedy:
     factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
 
 
+@written(
+    "missing_lines",
+    """
+    lines: expected and not given
+    assumed = filling.lines (list[str]): what stands in their place, in words
+    utilisation [1]: at worst, or with what stands for them; null where not known
+    verdict or null: then
+    *filling unless is_bound as filling
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class MissingLines:
     """What lines that are not given could do, or what stands in their place.
@@ -54,17 +63,15 @@ class MissingLines:
     verdict: str  # 'meets', 'fails', or '' where it is not known
     is_bound: bool = True  # what they could do at worst; else the verdict counts them
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "lines": list(self.lines),
-            "assumed": [str(line) for line in self.filling.lines],
-            "utilisation": self.utilisation,
-            "verdict": self.verdict or None,
-            **({} if self.is_bound else self.filling.to_dict()),
-        }
 
-
+@written(
+    "lead",
+    """
+    other: the next one in its list
+    probability [1]: that its utilisation is the smaller one
+    tied = is_tied: whether the two cannot be told apart at 95 %
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Lead:
     """How sure it is that a device is better than the next one in its list."""
@@ -78,6 +85,14 @@ class Lead:
         return 0.025 < self.probability < 0.975  # noqa: PLR2004 - two-sided 95 %
 
 
+@written(
+    "unknown_cap",
+    """
+    merit: 'price', 'mass' or 'power'
+    cap: as the requirement gives it
+    text: of the maker, which cannot be held against it; '' where there is none
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class UnknownCap:
     """A cap that nobody can say of a device whether it is exceeded."""
@@ -87,6 +102,24 @@ class UnknownCap:
     text: str  # of the maker, which cannot be held against it; '' where there is none
 
 
+@written(
+    "entrant",
+    """
+    name
+    file
+    technology
+    sensor: or 'mission', of both
+    procedure
+    *standing as verdict
+    not_given: lines of the data sheet that are absent
+    missing: expected lines that are not given; null where all are
+    price
+    mass
+    power
+    over_caps: caps of the requirement that it exceeds, in words
+    unknown_caps
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
     """One sensor of one device under one procedure, and what its data sheet says.
@@ -117,26 +150,33 @@ class Entrant:
         """One of verdicts.VERDICTS."""
         return self.standing.verdict
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of every entrant, judged or not."""
-        return {
-            "name": self.name,
-            "file": self.file,
-            "technology": self.technology,
-            "sensor": self.sensor,
-            "procedure": self.procedure,
-            "verdict": self.verdict,
-            **self.standing.to_dict(),
-            "not_given": list(self.not_given),
-            "missing": None if self.missing is None else self.missing.to_dict(),
-            "price": self.price,
-            "mass": self.mass,
-            "power": self.power,
-            "over_caps": list(self.over_caps),
-            "unknown_caps": [asdict(unknown) for unknown in self.unknown_caps],
-        }
 
-
+@written(
+    "device_verdict",
+    """
+    *self as entrant
+    rank: in its list; equal of what cannot be told apart, null without a verdict that
+      ranks
+    lower_bound: whether the utilisation is this or more, the conformance this or less
+    utilisation [1]: the largest over its required outputs
+    utilisation_interval [1]: 95 % sampling, and the law's error
+    margin [1]: what is left of the limit; negative beyond
+    worst_output: that uses most of its limit
+    worst_outputs: that one and all that are equal to it by the law
+    *known_conformance as conformance
+    limiting_source = remedy.source: with the largest share there
+    limiting_share = remedy.share [1]: of the variance there
+    improvement_factor = remedy.factor [1]: on its standard uncertainty, to meet; null
+      where it alone cannot mend it
+    ahead: how sure the place before the next one is; null of the last
+    on_front: 'price', 'mass', 'power' that it is Pareto-best in
+    advice: in words
+    trials: that were made; null by the law alone
+    predicted? = doubt: where the verdict rests on predicted lines
+    readings?: verdicts under the readings of lines whose meaning is open
+    outputs
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class DeviceVerdict(Entrant):
     """One sensor of one device under one procedure, held against the requirement."""
@@ -156,6 +196,12 @@ class DeviceVerdict(Entrant):
     closer: Judged = field(repr=False, compare=False)  # for the rank
     doubt: Doubt | None = None  # of a verdict that rests on predicted lines
     readings: ReadingVerdicts | None = None  # where the meaning of lines is open
+    rank: int | None = None  # filled in by its list
+
+    @property
+    def known_conformance(self) -> Probability | None:
+        """At the medians of predicted lines it would look better than it is."""
+        return _known(self)
 
     @property
     def lower_bound(self) -> bool:
@@ -197,45 +243,33 @@ class DeviceVerdict(Entrant):
         """What is left of the limit, as a part of it; negative beyond [1]."""
         return 1.0 - self.utilisation
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it, but its rank, in printed units."""
-        ahead = self.ahead
-        return {
-            **super().to_dict(),
-            "rank": None,  # its place, filled in by its list
-            "lower_bound": self.lower_bound,
-            "utilisation": self.utilisation,
-            "utilisation_interval": list(self.utilisation_interval),
-            "margin": self.margin,
-            "worst_output": self.worst_output,
-            "worst_outputs": list(self.worst_outputs),
-            # At the medians of predicted lines it would look better than it is.
-            **(
-                UNKNOWN_CONFORMANCE
-                if self.at_medians or self.standing.saturates
-                else self.conformance.to_dict()
-            ),
-            "limiting_source": self.remedy.source,
-            "limiting_share": self.remedy.share,
-            "improvement_factor": self.remedy.factor,
-            "ahead": None
-            if ahead is None
-            else {
-                "other": ahead.other,
-                "probability": ahead.probability,
-                "tied": ahead.is_tied,
-            },
-            "on_front": list(self.on_front),
-            "advice": self.advice,
-            "trials": self.trials,
-            **({} if self.doubt is None else {"predicted": self.doubt.to_dict()}),
-            **({} if self.readings is None else {"readings": self.readings.to_dict()}),
-            "outputs": [output.to_dict() for output in self.outputs],
-        }
 
-
+@written(
+    "pair",
+    f"""
+    gyro
+    accelerometer
+    procedure
+    verdict = standing.verdict (Literal{list(VERDICTS)})
+    lower_bound: whether the utilisation is this or more, the conformance this or less
+    utilisation [1]: the largest over the required outputs of both
+    worst_outputs: of the triad that uses most of its limits
+    limiting_source: with the largest share there
+    *known_conformance as conformance
+    probability? [1]: that both meet, where lines are predicted
+    """,
+)
+@written(
+    "imu",
+    """
+    name = gyro: of the device
+    rank: under its procedure
+    *self as pair
+    *standing as verdict
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class Pair:
+class Pair(Documented):
     """A gyro and an accelerometer together, counted in the same trials."""
 
     gyro: str
@@ -251,32 +285,39 @@ class Pair:
     ahead: Lead | None = None  # of the next IMU with the same verdict
     probability: float | None = None  # that both meet, where lines are predicted [1]
     at_medians: bool = False  # its numbers are those at medians of predicted lines
+    rank: int | None = None  # filled in by its list
 
     @property
     def verdict(self) -> str:
         """One of verdicts.VERDICTS, the graver of both."""
         return self.standing.verdict
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "gyro": self.gyro,
-            "accelerometer": self.accelerometer,
-            "procedure": self.procedure,
-            "verdict": self.verdict,
-            "lower_bound": self.lower_bound,
-            "utilisation": self.utilisation,
-            "worst_outputs": list(self.worst_outputs),
-            "limiting_source": self.limiting_source,
-            **(
-                UNKNOWN_CONFORMANCE
-                if self.at_medians or self.standing.saturates
-                else self.conformance.to_dict()
-            ),
-            **({} if self.probability is None else {"probability": self.probability}),
-        }
+    @property
+    def known_conformance(self) -> Probability | None:
+        """At the medians of predicted lines it would look better than it is."""
+        return _known(self)
 
 
+@written(
+    "comparison",
+    """
+    requirement: its name
+    mission?: on which devices with both sensors are judged
+    procedures
+    met = is_met: whether each required sensor has a device that meets
+    caps (dict[str, str]): of the requirement
+    not_compared: sensors that have limits and no candidate
+    inputs: files that it depends on
+    settings: what it depends on besides
+    devices = ranked: best first within each sensor and procedure
+    nothing_known: of which no error line is given, not ranked
+    imus = numbered_imus as imu: devices of both sensors as one, best first
+    pairs: every gyro with every accelerometer, where asked for
+    assumptions
+    warnings
+    """,
+    commands="compare",
+)
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Comparison(Tabled):
     """All devices, best first within each sensor and procedure."""
@@ -333,6 +374,18 @@ class Comparison(Tabled):
         return found
 
     @property
+    def ranked(self) -> Iterator[DeviceVerdict]:
+        """The devices with their ranks, best first."""
+        for devices in self.lists.values():
+            for one, rank in zip(devices, ranks(devices), strict=True):
+                yield replace(one, rank=rank_number(rank))
+
+    @property
+    def numbered_imus(self) -> list[Pair]:
+        """IMUs as one device with their ranks."""
+        return [replace(one, rank=rank_number(rank)) for one, rank in self.ranked_imus]
+
+    @property
     def ranked_imus(self) -> tuple[tuple[Pair, str], ...]:
         """IMUs as one device, each with its rank under its procedure."""
         return tuple(
@@ -343,44 +396,11 @@ class Comparison(Tabled):
             for pair in zip(own, ranks(own), strict=True)
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`, in printed units."""
-        return {**self.frame(), DEVICES: list(self.entries())}
 
-    def frame(self) -> dict[str, Any]:
-        """Return the document with an empty list in the place of the devices."""
-        return {
-            "schema": SCHEMA,
-            "command": "compare",
-            "requirement": self.requirement,
-            **({"mission": self.mission} if self.mission else {}),
-            "procedures": list(self.procedures),
-            "met": self.is_met,
-            "caps": dict(self.caps),
-            "not_compared": list(self.not_compared),
-            "inputs": [file.to_dict() for file in self.inputs],
-            "settings": self.settings.to_dict(),
-            DEVICES: [],
-            "nothing_known": [one.to_dict() for one in self.nothing_known],
-            "imus": [
-                {
-                    "name": pair.gyro,
-                    "rank": rank_number(rank),
-                    **pair.to_dict(),
-                    **pair.standing.to_dict(),
-                }
-                for pair, rank in self.ranked_imus
-            ],
-            "pairs": [pair.to_dict() for pair in self.pairs],
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-        }
-
-    def entries(self) -> Iterator[dict[str, Any]]:
-        """Yield the entries of `devices`, best first."""
-        for devices in self.lists.values():
-            for one, rank in zip(devices, ranks(devices), strict=True):
-                yield one.to_dict() | {"rank": rank_number(rank)}
+def _known(one: DeviceVerdict | Pair) -> Probability | None:
+    """Return a conformance where its numbers are those of what is there."""
+    is_known = not (one.at_medians or one.standing.saturates)
+    return one.conformance if is_known else None
 
 
 def ranks(devices: Sequence[DeviceVerdict | Pair]) -> tuple[str, ...]:

@@ -6,22 +6,16 @@ from dataclasses import dataclass
 from importlib import import_module
 from math import isfinite
 from numbers import Real
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
-from budget.results import (
-    SCHEMA,
-    SHOWN_BY,
-    InputFile,
-    Tabled,
-    input_files,
-    inputs_document,
-)
+from budget.results import SHOWN_BY, InputFile, Tabled, input_files
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
@@ -45,6 +39,34 @@ LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
 LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
 
 
+@written(
+    "export",
+    """
+    title: names of the devices
+    inputs by role as file
+    settings = self as export_settings
+    entries = rows as exported (list[tuple]): by key and axis
+    left_out: keys whose figure is not known, and what they are without it
+    not_held: lines of the data sheet that the target has no place for
+    notes
+    sources = target.sources (tuple[str, ...]): where keys and units were read
+    assumptions
+    warnings
+    """,
+    commands="export",
+)
+@written(
+    "export_settings",
+    """
+    target = target.name (str)
+    rate [Hz]: of the readings; null where the target asks for none
+    inflate [1]: on every standard deviation and density
+    missing: what stands for expected lines that are not given
+    residual = procedure (bool): whether it is what a calibration leaves
+    reference (str | None): what an error is one against, of what a calibration leaves
+    """,
+    reference=lambda found: REFERENCE if found.procedure else None,
+)
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Export(Tabled):
     """Everything that goes into the file of a target.
@@ -74,39 +96,15 @@ class Export(Tabled):
     procedure: str  # whose residual it is; '' of the raw figures
     body: str
 
+    @property
+    def rows(self) -> list[tuple[Exported, str, float]]:
+        """What stands under each key, for each axis."""
+        return [row for one in self.entries for row in one.by_axis]
+
     def to_text(self) -> str:
         """Return the file that the target reads."""
         text: str = import_module(SHOWN_BY).export_text(self)
         return text
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield a record for each key and axis."""
-        for one in self.entries:
-            yield from one.rows()
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        return {
-            "schema": SCHEMA,
-            "command": "export",
-            "title": self.title,
-            "inputs": inputs_document(self.inputs),
-            "settings": {
-                "target": self.target.name,
-                "rate": self.rate,
-                "inflate": self.inflate,
-                "missing": self.missing,
-                "residual": bool(self.procedure),
-                "reference": REFERENCE if self.procedure else None,
-            },
-            "entries": list(self.rows()),
-            "left_out": list(self.left_out),
-            "not_held": list(self.not_held),
-            "notes": list(self.notes),
-            "sources": list(self.target.sources),
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-        }
 
 
 def export(

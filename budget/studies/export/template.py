@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from jinja2 import pass_context
 
+from budget.documents import form
 from budget.errors import CallError
 from budget.model.sources import SENSORS
 from budget.resources import (
@@ -32,7 +33,7 @@ from budget.ties import settle
 from budget.units import size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from jinja2.runtime import Context
@@ -80,18 +81,27 @@ class Exported:
     steps: tuple[str, ...]
     lines: tuple[Name, ...] = ()
 
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield a record for each axis."""
-        for axis, value in zip(self.axes, self.values, strict=True):
-            yield {
-                "key": self.key,
-                "sensor": self.sensor,
-                "axis": axis,
-                "value": value,
-                "unit": self.unit,
-                "from": list(self.lines),
-                "steps": list(self.steps),
-            }
+    @property
+    def by_axis(self) -> list[tuple[Exported, str, float]]:
+        """It for each axis, with that and the value."""
+        pairs = zip(self.axes, self.values, strict=True)
+        return [(self, axis, value) for axis, value in pairs]
+
+
+form(
+    "exported",
+    """
+    key = 0.key (str): as the target has it
+    sensor = 0.sensor (str): whose figure it is
+    axis = 1 (str): '' where one value stands for all
+    value = 2 (float) [unit]
+    unit = 0.unit (str): as the target prints it
+    from = 0.lines (list[str]): lines of the data sheet in it
+    steps = 0.steps not in CSV (list[str]): where it is from, and how it is made
+    """,
+    tuple,
+    said="Everything that goes into the file of a target.",
+)
 
 
 @dataclass(frozen=True, kw_only=True)
