@@ -222,9 +222,9 @@ def _assumed(texts: Iterable[str], names: Iterable[str]) -> list[tuple[Any, list
     found = []
     for text in texts:
         device = next((name for name in longest if text.startswith(f"{name}: ")), "")
+        said = text.removeprefix(f"{device}: ") if device else text
         own = text.parts.get("text") if device and isinstance(text, Note) else None
-        said = own if isinstance(own, str) else text.removeprefix(f"{device}: ")
-        found.append((parted(said), device))
+        found.append((parted(own if isinstance(own, str) else said), device))
     return _together(
         ((assumed, tuple(devices)), line)
         for (line, assumed), devices in _together(found)
