@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.inputs.files import bare_name
 from budget.report.document import json_text
-from budget.report.inputs import sensor_blocks, unused_table
+from budget.report.inputs import data_sheet
 from budget.report.pages import sections
 from budget.results import SCHEMA
 from budget.studies.grades import completeness, grade, kind_of_device
@@ -38,10 +38,7 @@ def device_sections(device: Device) -> tuple[Section, ...]:
     return _sections(
         "device",
         device=device,
-        sensors=[
-            (one, [*sensor_blocks(one, assumptions=())]) for one in device.sensors
-        ],
-        figures=unused_table(device) if device.figures else None,
+        sheets=[data_sheet(one) for one in device.sensors],
         TEXTS=TEXTS,
     )
 

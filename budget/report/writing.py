@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from budget.inputs.records import ANGLES, AXES
 from budget.language import Note, key_title, say, words
 from budget.names import time_text
 from budget.report.tables import (
@@ -30,6 +31,7 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from budget.arrays import Array
 
 # Marks of what a value is, in characters of private use; none of them is Markdown.
 EXACT, OF, OBJECT, BENEATH, BAR, END = map(chr, range(0xE000, 0xE006))
@@ -97,6 +99,16 @@ def shown(text: str) -> str:
     return text.translate(_SHOWN)
 
 
+def print_by_axis(values: Array) -> str:
+    """Write one number where the axes agree, else each with its axis."""
+    printed = [print_given(float(value)) for value in values]
+    if len(set(printed)) == 1:
+        return printed[0]
+    names = AXES if len(printed) == len(AXES) else ANGLES
+    pairs = zip(names, printed, strict=True)
+    return _commas(f"{name} {text}" for name, text in pairs)
+
+
 def _commas(texts: Iterable[str], mark: str = ", ") -> str:
     """Put texts in a row, with a mark of the language between them."""
     return say(mark).join(texts)
@@ -129,6 +141,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "outputs": join_outputs,
     "verdict": lambda word: say(VERDICTS[word]),
     "standing": standing_lines,
+    "by_axis": print_by_axis,
     "given": lambda value, digits=3: print_given(value, digits=digits),
     "coverage": print_coverage,
     "used": print_utilisation,
