@@ -298,18 +298,6 @@ class Section:
     in_brief: str | None = None
 
 
-def assumptions_section(texts: Sequence[str]) -> Section:
-    """Return what was assumed, which a terminal leaves out where nothing was."""
-    return Section(
-        name="assumptions",
-        title=say("Assumptions"),
-        blocks=(
-            Listing(items=tuple((say(text),) for text in texts), empty=say("None.")),
-        ),
-        in_brief=None if texts else "",
-    )
-
-
 @dataclass(frozen=True, kw_only=True)
 class Card:
     """The answer for one sensor, or for one group of parameters."""

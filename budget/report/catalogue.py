@@ -9,7 +9,7 @@ from budget.documents import document, form
 from budget.inputs.files import bare_name
 from budget.inputs.records import Device, ErrorLine, Sensor, UnusedValue
 from budget.report.document import json_text
-from budget.report.inputs import sensor_blocks, unused_table
+from budget.report.inputs import data_sheet
 from budget.report.pages import sections
 from budget.studies.grades import (
     Completeness,
@@ -42,10 +42,7 @@ def device_sections(device: Device) -> tuple[Section, ...]:
     return _sections(
         "device",
         device=device,
-        sensors=[
-            (one, [*sensor_blocks(one, assumptions=())]) for one in device.sensors
-        ],
-        figures=unused_table(device) if device.figures else None,
+        sheets=[data_sheet(one) for one in device.sensors],
         TEXTS=TEXTS,
     )
 

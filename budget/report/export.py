@@ -13,9 +13,9 @@ from budget.report.blocks import (
     Panel,
     Paragraph,
     Section,
-    assumptions_section,
     table_of,
 )
+from budget.report.pages import sections
 from budget.report.tables import print_given
 from budget.studies.export.study import REFERENCE
 from budget.studies.export.template import END, GONE, HEADER, KEY
@@ -170,7 +170,7 @@ def export_answer(found: Export) -> tuple[Section, ...]:
     ]
     title = f"What {found.target.title} is told"
     section = Section(name="export", title=title, blocks=tuple(blocks))
-    return (section, assumptions_section(found.assumptions))
+    return (section, *sections("assumptions", found=found))
 
 
 def _value(one: Exported) -> Cell:

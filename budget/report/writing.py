@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from budget.inputs.records import ANGLES, AXES
 from budget.language import Note, key_title, say, term, words
 from budget.names import by_group, time_text
 from budget.report.tables import (
@@ -39,6 +40,7 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
 
+    from budget.arrays import Array
     from budget.report.tables import Number
 
 VERDICTS = {
@@ -147,6 +149,16 @@ def _rounded(number: Number | None, unit: str = "") -> str:
     return exact(f"{number.text} {unit}".rstrip(), number.exact)
 
 
+def print_by_axis(values: Array) -> str:
+    """Write one number where the axes agree, else each with its axis."""
+    printed = [print_given(float(value)) for value in values]
+    if len(set(printed)) == 1:
+        return printed[0]
+    names = AXES if len(printed) == len(AXES) else ANGLES
+    pairs = zip(names, printed, strict=True)
+    return _commas(f"{name} {text}" for name, text in pairs)
+
+
 def _commas(texts: Iterable[str], mark: str = ", ") -> str:
     """Put texts in a row, with a mark of the language between them."""
     return say(mark).join(texts)
@@ -185,6 +197,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "line": source_title,
     "outputs": join_outputs,
     "verdict": lambda word: say(VERDICTS[word]),
+    "by_axis": print_by_axis,
     "given": lambda value, digits=3: print_given(value, digits=digits),
     "coverage": print_coverage,
     "used": print_utilisation,
