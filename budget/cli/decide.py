@@ -73,8 +73,8 @@ def decide(
     from budget.inputs import load_catalogue, load_requirement
     from budget.inputs.load import shipped_path, try_changed
     from budget.language import speaking
-    from budget.report.decision import decision_answer, decision_csv, decision_document
-    from budget.report.document import json_text
+    from budget.report.decision import decision_answer, decision_document
+    from budget.report.document import json_text, table_csv
     from budget.report.rendering import check_suffixes, document_date
     from budget.studies.decide import decide as run
 
@@ -113,7 +113,7 @@ def decide(
     hand_out(
         (
             (json, lambda: json_text(found.to_dict())),
-            (csv, lambda: decision_csv(found)),
+            (csv, lambda: table_csv("offer", found.offers)),
         ),
         lambda: decision_answer(found),
         pages=pages,

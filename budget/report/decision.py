@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.report.blocks import Document
-from budget.report.document import csv_text, json_text
+from budget.report.document import json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
 from budget.report.tables import AT_LEAST, DASH
@@ -18,10 +18,6 @@ if TYPE_CHECKING:
 
 MOST_SHOWN = 8  # devices of a table: those after them are counted
 COMMAND = "budget decide"
-COLUMNS = (
-    *("kind", "name", "file", "calibration", "verdict", "utilisation", "lower_bound"),
-    *("worst_outputs", "limiting_source", "price", "mass", "power"),
-)
 
 
 def decision_answer(found: Decision) -> tuple[Section, ...]:
@@ -54,16 +50,6 @@ def decision_document(
         date=date,
         version=__version__,
     )
-
-
-def decision_csv(found: Decision) -> str:
-    """Write one row for each device after each calibration."""
-    rows = (
-        {"kind": purchase.kind} | one.to_dict()
-        for purchase in found.purchases
-        for one in purchase.offers
-    )
-    return csv_text(COLUMNS, ({key: row[key] for key in COLUMNS} for row in rows))
 
 
 def _view(found: Decision) -> dict[str, object]:

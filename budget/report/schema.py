@@ -20,13 +20,14 @@ from budget.report.reference.document import CHECK, DIFFERENCE
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
+from budget.studies.decide import Decision
 from budget.studies.export.study import Export
 from budget.studies.stations import Qualification
 from budget.studies.what_if import SourceSteps
 
 Node = dict[str, Any]  # a part of a JSON Schema
 
-STUDIES = (Budget, Comparison, Allocation, Qualification, Export)
+STUDIES = (Budget, Comparison, Decision, Allocation, Qualification, Export)
 STORED = (CHECK, DIFFERENCE, DEVICE_LIST, ONE_DEVICE)
 SIMPLE = {
     float: "number",
@@ -155,7 +156,7 @@ class Schema:
             place = 0 if _is_list(hint) else int(step)
             return _or_none(inner[place], if_so=_is_list(hint))
         if _is_list(hint):
-            return list[self.field(inner[0], step)]
+            return list[self.field(inner[0], step)]  # type: ignore[misc]
         if get_origin(hint) in MAPPINGS:
             return _or_none(inner[1], if_so=True)
         return self.field(hint, step)

@@ -6,12 +6,13 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import Documented, written
 from budget.inputs import load_mission, load_procedure, load_requirement
 from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import MISSION
-from budget.results import SCHEMA, VERDICTS, Tabled
+from budget.results import VERDICTS, Tabled
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import compare
@@ -32,8 +33,25 @@ if TYPE_CHECKING:
     from budget.studies.stations import StationVerdict
 
 
+@written(
+    "offer",
+    """
+    name
+    file
+    after = calibration: the procedure, or the maker's
+    verdict: the gravest of all that is limited of it
+    utilisation [1]: the largest part of a limit; null where nothing is known
+    lower_bound = is_bound: whether the utilisation is this or more
+    worst_outputs = worst.worst_outputs or null: that use most of their limits
+    limiting_source = worst.remedy.source: with the largest share there
+    price
+    mass
+    power
+    *standing as verdict not in CSV
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class Offer:
+class Offer(Documented):
     """One device after one calibration, with all that the requirement limits of it."""
 
     name: str
@@ -52,6 +70,21 @@ class Offer:
     def is_as_made(self) -> bool:
         """Whether it is used as its maker calibrated it: no test is needed."""
         return self.calibration == UNTESTED[FACTORY][0]
+
+    @property
+    def price(self) -> str:
+        """What it costs, as its file has it."""
+        return self.parts[0].price
+
+    @property
+    def mass(self) -> str:
+        """What it weighs, as its file has it."""
+        return self.parts[0].mass
+
+    @property
+    def power(self) -> str:
+        """What it draws, as its file has it."""
+        return self.parts[0].power
 
     @property
     def worst(self) -> DeviceVerdict | None:
@@ -81,27 +114,20 @@ class Offer:
             float("inf") if used is None else settle(used),
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        worst = self.worst
-        return {
-            "name": self.name,
-            "file": self.file,
-            "calibration": self.calibration,
-            "verdict": self.verdict,
-            "utilisation": self.utilisation,
-            "lower_bound": self.is_bound,
-            "worst_outputs": [] if worst is None else list(worst.worst_outputs),
-            "limiting_source": None if worst is None else worst.remedy.source,
-            "price": self.parts[0].price,
-            "mass": self.parts[0].mass,
-            "power": self.parts[0].power,
-            **self.standing.to_dict(),
-        }
 
-
+@written(
+    "purchase",
+    """
+    kind: 'device', or the sensor
+    chosen = chosen.name: null where nothing meets, on conditions at least
+    calibration = chosen.calibration
+    offers: each device after each calibration, best first
+    stations: for the test of what is chosen
+    recalibrations: with the lines as they are
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
-class Purchase:
+class Purchase(Documented):
     """What to buy of one kind: a whole unit, or one triad where units have one."""
 
     kind: str  # 'device', or the sensor
@@ -154,27 +180,23 @@ class Purchase:
             if (one.name, one.file) == (first.name, first.file)
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what documents say of it."""
-        chosen = self.chosen
-        return {
-            "kind": self.kind,
-            "chosen": None if chosen is None else chosen.name,
-            "calibration": None if chosen is None else chosen.calibration,
-            "offers": [one.to_dict() for one in self.offers],
-            "stations": [
-                {
-                    "name": one.name,
-                    "verdict": one.verdict,
-                    "utilisation": one.utilisation,
-                    "test_ratio": one.test_ratio,
-                }
-                for one in self.stations
-            ],
-            "recalibrations": [one.to_dict() for one in self.recalibrations],
-        }
 
-
+@written(
+    "decision",
+    """
+    requirement
+    mission: '' without one
+    calibrations: that are at hand
+    met = is_met: whether there is something to buy of every kind that is needed
+    purchases
+    not_compared: sensors that have limits and no candidate
+    inputs
+    settings
+    assumptions
+    warnings
+    """,
+    commands="decide",
+)
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Decision(Tabled):
     """What to buy for a requirement, of the devices that were offered."""
@@ -195,26 +217,14 @@ class Decision(Tabled):
         return not self.not_compared and all(one.chosen for one in self.purchases)
 
     @property
+    def offers(self) -> tuple[Offer, ...]:
+        """Each device after each calibration, best first within its kind."""
+        return tuple(offer for one in self.purchases for offer in one.offers)
+
+    @property
     def verdict(self) -> str:
         """The gravest verdict of what is chosen, or of the best there is."""
         return gravest(one.offers[0].verdict for one in self.purchases)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the JSON document of schema `budget/1`."""
-        return {
-            "schema": SCHEMA,
-            "command": "decide",
-            "requirement": self.requirement,
-            "mission": self.mission,
-            "calibrations": list(self.calibrations),
-            "met": self.is_met,
-            "purchases": [one.to_dict() for one in self.purchases],
-            "not_compared": list(self.not_compared),
-            "inputs": [one.to_dict() for one in self.inputs],
-            "settings": self.settings.to_dict(),
-            "assumptions": list(self.assumptions),
-            "warnings": list(self.warnings),
-        }
 
 
 def decide(

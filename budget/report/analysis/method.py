@@ -45,9 +45,8 @@ def method_section(
     of_verdict: Settings,
 ) -> Section:
     """Return settings, formulas and references; of the sensors that are there."""
-    weighed = ()
-    if procedure.formulas in {"least_squares", "weighted", "norm"}:
-        weighed = sensors_of(tuple(devices), procedure)
+    has_weights = procedure.formulas in {"least_squares", "weighted", "norm"}
+    weighed = sensors_of(tuple(devices), procedure) if has_weights else ()
     (section,) = sections(
         "method",
         settings=settings,
