@@ -244,6 +244,8 @@ def step_into(value: Any, step: str) -> Any:  # noqa: ANN401 - any record
     """Return what is one step of a path further."""
     if value is None:
         return None
+    if isinstance(value, Mapping):
+        return value.get(step)
     if not isinstance(value, tuple):
         return getattr(value, step)
     if not step.isdecimal():

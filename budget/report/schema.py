@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import abc
 from enum import Enum
-from types import NoneType, UnionType
+from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row, said_of
@@ -73,12 +73,11 @@ class Schema:
             parts: dict[str, list[Node]] = {}
             required = set()
             for row, hint, always in self.rows(form):
-                said = said_of(row)
-                part = self.of(hint, row["form"]) | (
-                    {"description": said} if said else {}
-                )
-                parts.setdefault(row["key"], []).append(part)
-                required |= {row["key"]} if always else set()
+                key, said = row["key"], said_of(row)
+                part = self.of(hint, row["form"])
+                part |= {"description": said} if said else {}
+                parts.setdefault(key, []).append(part)
+                required |= {key} if always else set()
             found |= {
                 "description": form.said,
                 "type": "object",
@@ -130,7 +129,7 @@ class Schema:
         else:
             found = self.at(form, path)
         if row["by"]:
-            found = dict[str, get_args(found)[0]]  # type: ignore[misc]
+            found = GenericAlias(dict, (str, get_args(found)[0]))
         found = _certain(found) if row["maybe"] else found
         return _or_none(found, if_so=bool(row["null"]))
 
@@ -155,7 +154,7 @@ class Schema:
             place = 0 if _is_list(hint) else int(step)
             return _or_none(inner[place], if_so=_is_list(hint))
         if _is_list(hint):
-            return list[self.field(inner[0], step)]
+            return GenericAlias(list, (self.field(inner[0], step),))
         if get_origin(hint) in MAPPINGS:
             return _or_none(inner[1], if_so=True)
         return self.field(hint, step)
