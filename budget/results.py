@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from budget.documents import Documented, document, form, written
+from budget.documents import Documented, document, written
 from budget.errors import NotThereError
 from budget.language import in_a_row, note
 from budget.names import Name
@@ -54,7 +54,7 @@ BY_TRIALS = "monte-carlo"  # an interval of trials
 BY_PREDICTION = "prediction"  # one over what missing lines may be
 
 
-form(
+written(
     "key",
     """
     sensor = name.owner: 'gyro', 'accelerometer', 'imu' of both, 'mission'
@@ -63,17 +63,15 @@ form(
     time? = name.time [s]: of a mission, since it began
     unit: of all its numbers
     """,
-    Output,
-)
-form(
+)(Output)
+written(
     "standing",
     """
     sensor = 0 (str): or 'mission'
     *1 as verdict
     """,
-    tuple,
     said="A verdict and what it stands on, the same in every command.",
-)
+)(tuple)
 
 
 class Tabled(Documented):
@@ -598,10 +596,10 @@ class Bias:
     "uncertain_matrix",
     """
     value = T (list[list[float]]) [1]: row by row
-    standard_uncertainty = u.0 (list[list[float]]) [1]: of its elements
+    standard_uncertainty = u (list[list[float]]) [1]: of its elements
     lower_bound: whether lines that are not given would widen it
     """,
-    u=lambda found: (found.standard_uncertainty[:9].reshape(3, 3),),
+    u=lambda found: found.standard_uncertainty[:9].reshape(3, 3),
 )
 @written(
     "matrix",

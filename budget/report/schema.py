@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import abc
 from enum import Enum
+from importlib import import_module
 from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -15,8 +16,6 @@ from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row, said_of
 from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
-from budget.report.catalogue import DEVICE_LIST, ONE_DEVICE
-from budget.report.reference.document import CHECK, DIFFERENCE
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -27,7 +26,9 @@ from budget.studies.what_if import SourceSteps
 Node = dict[str, Any]  # a part of a JSON Schema
 
 STUDIES = (Budget, Comparison, Allocation, Qualification, Export)
-STORED = (CHECK, DIFFERENCE, DEVICE_LIST, ONE_DEVICE)
+STORED = ("check", "difference", "device_list", "one_device")
+# Where these have their forms.
+FORMING = ("budget.report.reference.document", "budget.report.catalogue")
 SIMPLE = {
     float: "number",
     int: "integer",
@@ -44,9 +45,11 @@ def results_schema(*further: type) -> Node:
     A document has no key that it does not name. `further` are records of whole ones by
     commands that stand on this package, beside its own studies.
     """
+    for module in FORMING:
+        import_module(module)
     schema = Schema()
-    forms = (*(BY_TYPE[one] for one in (*STUDIES, *further)), *STORED)
-    documents = [schema.entry(one) for one in forms]
+    whole = [BY_TYPE[one].name for one in (*STUDIES, *further)]
+    documents = [schema.entry(FORMS[name]) for name in (*whole, *STORED)]
     return {
         "$schema": DIALECT,
         "title": f"budget result documents ({SCHEMA})",
