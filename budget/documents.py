@@ -180,37 +180,23 @@ FORMS: dict[str, Form] = {}  # by their names
 BY_TYPE: dict[type, Form] = {}  # of records that are written so where nothing is said
 
 
-def form(
-    name: str,
-    text: str,
-    /,
-    record: type,
-    *,
-    said: str = "",
-    commands: str = "",
-    **reads: Read,
-) -> Form:
-    """Make a form; without words what its record is in one line."""
-    own = (record.__doc__ or "").partition("\n")[0].replace(" [SI]", "")
-    FORMS[name] = Form(
-        name=name,
-        text=text,
-        record=record,
-        said=said or own,
-        commands=commands,
-        reads=reads,
-    )
-    return FORMS[name]
-
-
 def written(
     name: str, text: str, /, *, said: str = "", commands: str = "", **reads: Read
 ) -> Callable[[type[T]], type[T]]:
-    """Give a record a form; of several the first is that of its type."""
+    """Give a record a form; of several the one that stands first is that of its type.
+
+    Without words it is what the record is in one line.
+    """
 
     def give(record: type[T]) -> type[T]:
-        BY_TYPE[record] = form(
-            name, text, record, said=said, commands=commands, **reads
+        own = (record.__doc__ or "").partition("\n")[0].replace(" [SI]", "")
+        BY_TYPE[record] = FORMS[name] = Form(
+            name=name,
+            text=text,
+            record=record,
+            said=said or own,
+            commands=commands,
+            reads=reads,
         )
         return record
 
@@ -244,6 +230,8 @@ def step_into(value: Any, step: str) -> Any:  # noqa: ANN401 - any record
     """Return what is one step of a path further."""
     if value is None:
         return None
+    if isinstance(value, Mapping):
+        return value.get(step)
     if not isinstance(value, tuple):
         return getattr(value, step)
     if not step.isdecimal():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from budget.documents import Documented, document, form, written
+from budget.documents import Documented, document, written
 from budget.errors import NotThereError
 from budget.language import note
 from budget.names import Name
@@ -55,7 +55,7 @@ BY_TRIALS = "monte-carlo"  # an interval of trials
 BY_PREDICTION = "prediction"  # one over what missing lines may be
 
 
-form(
+written(
     "key",
     """
     sensor = name.owner: 'gyro', 'accelerometer', 'imu' of both, 'mission'
@@ -64,27 +64,15 @@ form(
     time? = name.time [s]: of a mission, since it began
     unit: of all its numbers
     """,
-    Output,
-)
-form(
+)(Output)
+written(
     "standing",
     """
     sensor = 0 (str): or 'mission'
     *1 as verdict
     """,
-    tuple,
     said="A verdict and what it stands on, the same in every command.",
-)
-form(
-    "bias_of_matrix",
-    """
-    unit = 0 (str)
-    value = 1 (list[float]) [unit]
-    standard_uncertainty = 2 (list[float]) [unit]
-    """,
-    tuple,
-    said="What turns readings into inputs, of one triad, at its nominal values.",
-)
+)(tuple)
 
 
 class Tabled(Documented):
@@ -572,28 +560,47 @@ def _printed(covariance: Array, outputs: Sequence[Output]) -> Array:
 
 
 @written(
+    "bias_of_matrix",
+    """
+    unit = output.unit
+    value / unit (list[float])
+    standard_uncertainty / unit (list[float])
+    """,
+    said="What turns readings into inputs, of one triad, at its nominal values.",
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bias:
+    """Biases of the three axes of a triad [SI]."""
+
+    output: Output  # of the first axis
+    value: Array
+    standard_uncertainty: Array
+
+
+@written(
     "matrices",
     """
     body_to_sensor = self as matrix: M, whose row i is what axis i shows of the body
       axes
     sensor_to_body = self as uncertain_matrix: T, the inverse of M
-    bias_sensor = biases.0 as bias_of_matrix: taken off before T
-    bias_body = biases.1 as bias_of_matrix: taken off after T
+    bias_sensor = sensor_axes as bias_of_matrix: taken off before T
+    bias_body = body_axes as bias_of_matrix: taken off after T
     bias_lower_bound: whether lines that are not given would widen the biases
     covariance = printed (list[list[float]]) [products of units]: of T row by row, bias
       in sensor axes, bias in body axes
     """,
-    biases=lambda found: (found.biases(9), found.biases(12)),
+    sensor_axes=lambda found: found.bias(9),
+    body_axes=lambda found: found.bias(12),
     printed=lambda found: _printed(found.covariance, found.outputs),
 )
 @written(
     "uncertain_matrix",
     """
     value = T (list[list[float]]) [1]: row by row
-    standard_uncertainty = u.0 (list[list[float]]) [1]: of its elements
+    standard_uncertainty = u (list[list[float]]) [1]: of its elements
     lower_bound: whether lines that are not given would widen it
     """,
-    u=lambda found: (found.standard_uncertainty[:9].reshape(3, 3),),
+    u=lambda found: found.standard_uncertainty[:9].reshape(3, 3),
 )
 @written(
     "matrix",
@@ -650,11 +657,14 @@ class Compensation:
         """Bias T b, taken off after T, shape (3,) [SI]."""
         return self.value[12:]
 
-    def biases(self, first: int) -> tuple[str, Array, Array]:
-        """Return the unit of three biases, their values and uncertainties in it."""
-        output, own = self.outputs[first], slice(first, first + 3)
-        both = np.stack([self.value, self.standard_uncertainty])[:, own]
-        return output.unit, *(both / output.si_per_unit)
+    def bias(self, first: int) -> Bias:
+        """Return three biases, the first of which stands there among the outputs."""
+        own = slice(first, first + 3)
+        return Bias(
+            output=self.outputs[first],
+            value=self.value[own],
+            standard_uncertainty=self.standard_uncertainty[own],
+        )
 
 
 @written(

@@ -318,7 +318,8 @@ def _check(
     from budget.references.check import check as run
     from budget.references.files import find_references
     from budget.references.store import read_reference
-    from budget.report.reference.document import checks_json, differences_csv
+    from budget.report.document import json_of, table_csv
+    from budget.report.reference.document import moved
     from budget.report.reference.sections import check_sections
 
     checks: list[Difference] = []
@@ -345,8 +346,8 @@ def _check(
         talk(text)
     hand_out(
         [
-            (json, lambda: checks_json(checks, errors)),
-            (csv, lambda: differences_csv(checks)),
+            (json, lambda: json_of((checks, errors), "check")),
+            (csv, lambda: table_csv("moved", moved(checks))),
         ],
         lambda: check_sections(checks, len(errors)),
         language=language,

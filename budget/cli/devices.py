@@ -34,12 +34,8 @@ def devices(
     from budget.cli.output import hand_out
     from budget.errors import CallError
     from budget.inputs.load import load_changed
-    from budget.report.catalogue import (
-        device_sections,
-        device_to_json,
-        list_sections,
-        list_to_json,
-    )
+    from budget.report.catalogue import device_sections, list_sections
+    from budget.report.document import json_of
 
     if name is None and changes:
         raise CallError("--set changes a device, and none is named; name one")
@@ -50,11 +46,14 @@ def devices(
         )
     if name is None:
         every = options.select_catalogue(kind, grade)
-        hand_out([(json, lambda: list_to_json(every))], lambda: list_sections(every))
+        hand_out(
+            [(json, lambda: json_of(every, "device_list"))],
+            lambda: list_sections(every),
+        )
         return
     found = load_changed([name], changes or (), variants=True)
-    text = device_to_json(found[0]) if len(found) == 1 else list_to_json(found)
+    shown = (found[0], "one_device") if len(found) == 1 else (found, "device_list")
     hand_out(
-        [(json, lambda: text)],
+        [(json, lambda: json_of(*shown))],
         lambda: chain.from_iterable(map(device_sections, found)),
     )

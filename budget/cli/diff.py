@@ -73,7 +73,8 @@ def diff(
     from budget.inputs.records import CHANGED
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Asked
-    from budget.report.reference.document import difference_json, differences_csv
+    from budget.report.document import json_of, table_csv
+    from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
 
     check_destinations(json, csv, inputs=[first, second, procedure, mission])
@@ -103,8 +104,8 @@ def diff(
     difference = compare_sides(*sides)
     hand_out(
         [
-            (json, lambda: difference_json(difference)),
-            (csv, lambda: differences_csv([difference])),
+            (json, lambda: json_of(difference, "difference")),
+            (csv, lambda: table_csv("moved", moved([difference]))),
         ],
         lambda: difference_sections(difference),
         language=language,

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from budget.documents import written
 from budget.errors import CallError
 from budget.model.place import Place
 from budget.model.source import Given
@@ -27,6 +28,23 @@ __all__ = ["ANGLES", "AXES"]
 CHANGED = ", changed"  # after the name of a device of which a call changed a value
 
 
+@written(
+    "line",
+    """
+    line = name
+    printed: as the file gives it
+    meaning: how its number is meant, '1 sigma', 'max', ...
+    unit: as the file gives it
+    standard_uncertainty = u / si_per_unit (list[float]) [unit]: by axis
+    correlation_time (list[float] | None) [s]: by axis; null of what has none
+    distributions = distributions.name (list[str]): shapes by axis
+    includes: what it covers, in the words of the maker
+    horizon: after which time
+    definition: of the maker
+    condition: under which it holds
+    source: where it is printed
+    """,
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ErrorLine(Given):
     """One specification value that an error model uses, and how the file prints it.
@@ -78,6 +96,16 @@ class ErrorLine(Given):
     readings: tuple[tuple[str, ErrorLine], ...] = ()
 
 
+@written(
+    "unused_value",
+    """
+    name
+    value: as the file gives it
+    condition: under which it holds
+    meaning: how its number is meant
+    source: where it is printed
+    """,
+)
 @dataclass(frozen=True, kw_only=True)
 class UnusedValue:
     """A value that the maker prints and no model uses: shown, not budgeted."""
@@ -89,6 +117,15 @@ class UnusedValue:
     source: str = ""
 
 
+@written(
+    "sensor",
+    """
+    sensor = kind: 'gyro' or 'accelerometer'
+    lines as line
+    not_given: lines of the model that are absent
+    expected_missing: those of them that a verdict 'meets' cannot do without
+    """,
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sensor:
     """One triad of a device: its nominal values and the lines of its data sheet.

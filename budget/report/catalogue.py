@@ -5,14 +5,12 @@ from __future__ import annotations
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-from budget.documents import document, form
+from budget.documents import written
 from budget.inputs.files import bare_name
-from budget.inputs.records import Device, ErrorLine, Sensor, UnusedValue
-from budget.report.document import json_text
+from budget.inputs.records import Device
 from budget.report.inputs import data_sheet
 from budget.report.pages import sections
 from budget.studies.grades import (
-    Completeness,
     completeness,
     grade,
     kind_of_device,
@@ -54,36 +52,7 @@ def _sections(page: str, **view: object) -> tuple[Section, ...]:
     )
 
 
-def list_to_json(devices: Sequence[Device]) -> str:
-    """Write the list as JSON."""
-    return json_text(document(devices, "device_list"))
-
-
-def device_to_json(device: Device) -> str:
-    """Write one device as JSON: values as printed and as standard uncertainties."""
-    return json_text(document(device, "one_device"))
-
-
-def _grades(device: Device) -> dict[str, str]:
-    """Return the grades of its triads."""
-    return {sensor.kind: grade(sensor) for sensor in device.sensors}
-
-
-def _completeness(device: Device) -> dict[str, Completeness]:
-    """Return of each triad how many of the expected lines are given."""
-    return {sensor.kind: completeness(sensor) for sensor in device.sensors}
-
-
-form(
-    "completeness",
-    """
-    given: lines that a verdict 'meets' needs
-    expected: that it needs
-    """,
-    Completeness,
-    said="One triad of a device: its nominal values and the lines of its data sheet.",
-)
-form(
+written(
     "listed_device",
     """
     name
@@ -95,54 +64,14 @@ form(
     price
     mass
     power
-    grades: by triad, 'navigation', 'tactical', 'consumer' or '-'
+    grades (dict[str, str]): by triad, 'navigation', 'tactical', 'consumer' or '-'
     completeness as completeness (dict[str, Completeness]): by triad
     """,
-    Device,
     kind=kind_of_device,
-    grades=_grades,
-    completeness=_completeness,
-)
-form(
-    "line",
-    """
-    line = name
-    printed: as the file gives it
-    meaning: how its number is meant, '1 sigma', 'max', ...
-    unit: as the file gives it
-    standard_uncertainty = u / si_per_unit (list[float]) [unit]: by axis
-    correlation_time (list[float] | None) [s]: by axis; null of what has none
-    distributions = distributions.name (list[str]): shapes by axis
-    includes: what it covers, in the words of the maker
-    horizon: after which time
-    definition: of the maker
-    condition: under which it holds
-    source: where it is printed
-    """,
-    ErrorLine,
-)
-form(
-    "sensor",
-    """
-    sensor = kind: 'gyro' or 'accelerometer'
-    lines as line
-    not_given: lines of the model that are absent
-    expected_missing: those of them that a verdict 'meets' cannot do without
-    """,
-    Sensor,
-)
-form(
-    "unused_value",
-    """
-    name
-    value: as the file gives it
-    condition: under which it holds
-    meaning: how its number is meant
-    source: where it is printed
-    """,
-    UnusedValue,
-)
-form(
+    grades=lambda device: {one.kind: grade(one) for one in device.sensors},
+    completeness=lambda device: {one.kind: completeness(one) for one in device.sensors},
+)(Device)
+written(
     "device",
     """
     *self as listed_device
@@ -153,22 +82,19 @@ form(
     figures as unused_value: values that no model uses
     assumptions
     """,
-    Device,
-)
-DEVICE_LIST = form(
+)(Device)
+written(
     "device_list",
     """
     devices = self as listed_device (tuple[Device, ...])
     """,
-    tuple,
     said="One device file, one variant of it.",
     commands="devices",
-)
-ONE_DEVICE = form(
+)(tuple)
+written(
     "one_device",
     """
     device = self as device (Device)
     """,
-    Device,
     commands="devices",
-)
+)(Device)

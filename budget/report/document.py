@@ -26,9 +26,14 @@ def to_json(budget: Budget, extras: Mapping[str, Any] | None = None) -> str:
     return json_text({**budget.to_dict(), **(extras or {})})
 
 
-def json_text(document: Mapping[str, Any]) -> str:
+def json_text(found: Mapping[str, Any]) -> str:
     """Write a document at full precision. Raises ValueError as to_json."""
-    return json.dumps(document, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return json.dumps(found, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+
+
+def json_of(record: object, form: str) -> str:
+    """Write what a form says of a record. Raises ValueError as to_json."""
+    return json_text(document(record, form))
 
 
 def to_csv(budget: Budget) -> str:
@@ -39,14 +44,11 @@ def to_csv(budget: Budget) -> str:
 def table_csv(name: str, records: Iterable[object]) -> str:
     """Write one row for each record, as the form of that name has columns."""
     columns = FORMS[name].columns
-    documents = (document(one, name) for one in records)
-    return csv_text(
-        tuple(columns),
-        (
-            {head: _below(one, keys) for head, keys in columns.items()}
-            for one in documents
-        ),
+    rows = (
+        {head: _below(one, keys) for head, keys in columns.items()}
+        for one in (document(each, name) for each in records)
     )
+    return csv_text([*columns], rows)
 
 
 def _below(found: Any, keys: Sequence[str]) -> Any:  # noqa: ANN401 - of a document

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections import abc
 from enum import Enum
-from types import NoneType, UnionType
+from importlib import import_module
+from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row, said_of
 from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
-from budget.report.catalogue import DEVICE_LIST, ONE_DEVICE
-from budget.report.reference.document import CHECK, DIFFERENCE
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -28,7 +27,9 @@ from budget.studies.what_if import SourceSteps
 Node = dict[str, Any]  # a part of a JSON Schema
 
 STUDIES = (Budget, Comparison, Decision, Allocation, Qualification, Export)
-STORED = (CHECK, DIFFERENCE, DEVICE_LIST, ONE_DEVICE)
+STORED = ("check", "difference", "device_list", "one_device")
+# Where these have their forms.
+FORMING = ("budget.report.reference.document", "budget.report.catalogue")
 SIMPLE = {
     float: "number",
     int: "integer",
@@ -45,9 +46,11 @@ def results_schema(*further: type) -> Node:
     A document has no key that it does not name. `further` are records of whole ones by
     commands that stand on this package, beside its own studies.
     """
+    for module in FORMING:
+        import_module(module)
     schema = Schema()
-    forms = (*(BY_TYPE[one] for one in (*STUDIES, *further)), *STORED)
-    documents = [schema.entry(one) for one in forms]
+    whole = [BY_TYPE[one].name for one in (*STUDIES, *further)]
+    documents = [schema.entry(FORMS[name]) for name in (*whole, *STORED)]
     return {
         "$schema": DIALECT,
         "title": f"budget result documents ({SCHEMA})",
@@ -74,12 +77,11 @@ class Schema:
             parts: dict[str, list[Node]] = {}
             required = set()
             for row, hint, always in self.rows(form):
-                said = said_of(row)
-                part = self.of(hint, row["form"]) | (
-                    {"description": said} if said else {}
-                )
-                parts.setdefault(row["key"], []).append(part)
-                required |= {row["key"]} if always else set()
+                key, said = row["key"], said_of(row)
+                part = self.of(hint, row["form"])
+                part |= {"description": said} if said else {}
+                parts.setdefault(key, []).append(part)
+                required |= {key} if always else set()
             found |= {
                 "description": form.said,
                 "type": "object",
@@ -131,7 +133,7 @@ class Schema:
         else:
             found = self.at(form, path)
         if row["by"]:
-            found = dict[str, get_args(found)[0]]  # type: ignore[misc]
+            found = GenericAlias(dict, (str, get_args(found)[0]))
         found = _certain(found) if row["maybe"] else found
         return _or_none(found, if_so=bool(row["null"]))
 
@@ -156,7 +158,7 @@ class Schema:
             place = 0 if _is_list(hint) else int(step)
             return _or_none(inner[place], if_so=_is_list(hint))
         if _is_list(hint):
-            return list[self.field(inner[0], step)]  # type: ignore[misc]
+            return GenericAlias(list, (self.field(inner[0], step),))
         if get_origin(hint) in MAPPINGS:
             return _or_none(inner[1], if_so=True)
         return self.field(hint, step)

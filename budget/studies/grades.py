@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.documents import written
 from budget.model.sources import lines_of
 from budget.units import DEG_PER_HOUR, MICRO_G
 
@@ -26,6 +27,14 @@ REST = "consumer"
 UNKNOWN = "-"
 
 
+@written(
+    "completeness",
+    """
+    given: lines that a verdict 'meets' needs
+    expected: that it needs
+    """,
+    said="One triad of a device: its nominal values and the lines of its data sheet.",
+)
 @dataclass(frozen=True, kw_only=True)
 class Completeness:
     """How many of the lines that a verdict `meets` needs a data sheet gives."""

@@ -1,34 +1,18 @@
-"""Checks and differences for other programs: JSON of schema `budget/1`, and CSV."""
+"""Checks and differences for other programs: what their documents have."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.documents import document, form
+from budget.documents import written
 from budget.references.difference import Difference, Move
-from budget.report.document import json_text, table_csv
 from budget.report.reference.sections import cause_texts, together_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-def checks_json(checks: Sequence[Difference], errors: Sequence[str]) -> str:
-    """Write the JSON document of `check`; `errors` are those of bad references."""
-    return json_text(document((checks, errors), "check"))
-
-
-def difference_json(difference: Difference) -> str:
-    """Write the JSON document of `diff`, the largest change first."""
-    return json_text(document(difference, "difference"))
-
-
-def differences_csv(differences: Sequence[Difference]) -> str:
-    """Write one row for each number or word that moved."""
-    return table_csv("moved", _moved(differences))
-
-
-def _moved(differences: Sequence[Difference]) -> list[tuple[str, Move]]:
+def moved(differences: Sequence[Difference]) -> list[tuple[str, Move]]:
     """Return what moved, each with the name of what it is in."""
     return [(one.first, move) for one in differences for move in one.moves]
 
@@ -41,7 +25,7 @@ def _because(move: Move) -> str:
     return "; ".join(because)
 
 
-form(
+written(
     "difference_moved",
     """
     subject = item.subject: what it is of, 'gyro.bias.x', 'hg4930.yaml#C gyro'
@@ -60,19 +44,17 @@ form(
       does alone
     because: causes, in words
     """,
-    Move,
     because=_because,
-)
-form(
+)(Move)
+written(
     "moved",
     """
     reference = 0 (str): in which
     *1 as difference_moved
     """,
-    tuple,
     said="One number or word that is not what it was.",
-)
-DIFFERENCE = form(
+)(tuple)
+written(
     "difference",
     """
     first: how it is called
@@ -82,10 +64,9 @@ DIFFERENCE = form(
     changes: of files, settings and versions
     moved = moves as difference_moved: the largest change first
     """,
-    Difference,
     commands="diff",
-)
-CHECK = form(
+)(Difference)
+written(
     "check",
     """
     holds (bool): whether nothing moved and nothing is wrong with a reference
@@ -93,9 +74,8 @@ CHECK = form(
     moved as moved (tuple[Move, ...]): in all of them
     errors = 1 (list[str]): of references that are none
     """,
-    tuple,
     said="Two budgets side by side: a reference and what it is now, or any two.",
     commands="check",
     holds=lambda found: not found[1] and all(one.holds for one in found[0]),
-    moved=lambda found: _moved(found[0]),
-)
+    moved=lambda found: moved(found[0]),
+)(tuple)

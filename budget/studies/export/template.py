@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from jinja2 import pass_context
 
-from budget.documents import form
+from budget.documents import written
 from budget.errors import CallError
 from budget.model.sources import SENSORS
 from budget.resources import (
@@ -88,7 +88,7 @@ class Exported:
         return [(self, axis, value) for axis, value in pairs]
 
 
-form(
+written(
     "exported",
     """
     key = 0.key (str): as the target has it
@@ -99,9 +99,8 @@ form(
     from = 0.lines (list[str]): lines of the data sheet in it
     steps = 0.steps not in CSV (list[str]): where it is from, and how it is made
     """,
-    tuple,
     said="Everything that goes into the file of a target.",
-)
+)(tuple)
 
 
 @dataclass(frozen=True, kw_only=True)
