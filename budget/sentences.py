@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from markupsafe import Markup
 
@@ -38,12 +38,14 @@ if TYPE_CHECKING:
     from pathlib import Path
     from typing import Any, Self
 
-    from jinja2 import Template
+    from jinja2 import BaseLoader, Template
     from jinja2.sandbox import SandboxedEnvironment
 
 PAGE = "pages/{}.md.j2"  # the file of a page among the templates
-_PLACE = re.compile(r"([^.]+)\.(\w+)")
+_PLACE = re.compile(r"([^.]+)\.(\w+)")  # page and macro
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
+_MACRO = re.compile(r"(?ms)^\{% macro (\w+)\(.*?^\{% endmacro %\}$")
+_WORD = re.compile(r"(?<!\|)\b\w+")
 
 
 class Sentence(Note):
@@ -66,12 +68,18 @@ class Sentence(Note):
 
     def said(self) -> str:
         """Say it in the language of the context."""
-        return _filled(self.template, self.parts)
+        return str(self) if _is_kept() else _filled(self.template, self.parts)
 
 
 def sentence(place: str, /, **parts: object) -> Sentence:
     """Fill a macro, 'page.macro', in with values, to be said later."""
-    return Sentence(place, parts)
+    return Sentence(place, parts) if parts else _alone(place)
+
+
+@cache
+def _alone(place: str) -> Sentence:
+    """Return a sentence without values, which a catalogue has a thousand times."""
+    return Sentence(place, {})
 
 
 @cache
@@ -86,9 +94,14 @@ def module_of(template: Template, language: str) -> Any:  # noqa: ANN401, ARG001
     return template.make_module()
 
 
+def _is_kept() -> bool:
+    """Whether what is said now is what sentences keep."""
+    return spoken() == ENGLISH and own_templates() is None
+
+
 def _english(place: str, parts: Mapping[str, object]) -> str:
     """Fill a macro that ships in, in English."""
-    if spoken() == ENGLISH and own_templates() is None:
+    if _is_kept():
         return _filled(place, parts)
     with speaking(ENGLISH), templates_of(None):
         return _filled(place, parts)
@@ -96,24 +109,44 @@ def _english(place: str, parts: Mapping[str, object]) -> str:
 
 def _filled(place: str, parts: Mapping[str, object]) -> str:
     """Fill a macro in, in the language of the context."""
+    ((page, name),) = _PLACE.findall(place)
     if own_templates() is None:
-        said = str(_shipped(place, spoken())(**parts))
+        said = str(_shipped_macro(page, name, spoken())(**parts))
     else:
-        ((page, _),) = _PLACE.findall(place)
-        with telling(PAGE.format(page)):
-            said = str(_macro(place, spoken())(**parts))
+        file = PAGE.format(page)
+        with telling(file):
+            template = _environment(own_templates()).get_template(file)
+            said = str(getattr(module_of(template, spoken()), name)(**parts))
     return " ".join(said.split()) if "\n" in said else said
 
 
-def _macro(place: str, language: str) -> Callable[..., str]:
-    """Return a macro in a language, one's own where there is one."""
-    ((page, name),) = _PLACE.findall(place)
-    template = _environment(own_templates()).get_template(PAGE.format(page))
-    macro: Callable[..., str] = getattr(module_of(template, language), name)
+@cache
+def _shipped_macro(page: str, name: str, language: str) -> Callable[..., str]:
+    """Return a macro that ships, in a language."""
+    macro: Callable[..., str] = getattr(module_of(_shipped(page, name), language), name)
     return macro
 
 
-_shipped = cache(_macro)  # of macros that no folder of one's own goes before
+@cache
+def _shipped(page: str, name: str) -> Template:
+    """Return a page that ships with one macro and those that it uses: all take long."""
+    environment = _environment(None)
+    loader = cast("BaseLoader", environment.loader)
+    source, file, _ = loader.get_source(environment, PAGE.format(page))
+    macros = {one[1]: one[0] for one in _MACRO.finditer(source)}
+    used, found = {name}, [name]
+    while found:
+        words = {*_WORD.findall(macros.get(found.pop(), ""))} & macros.keys()
+        found += words - used
+        used |= words
+
+    def kept(macro: re.Match[str]) -> str:
+        return macro[0] if macro[1] in used else "\n" * macro[0].count("\n")
+
+    code = environment.compile(_MACRO.sub(kept, source), PAGE.format(page), file)
+    return environment.template_class.from_code(
+        environment, code, environment.make_globals(None)
+    )
 
 
 @cache
@@ -143,14 +176,14 @@ def _plain(value: object) -> Markup:
     return Markup(say(value) if isinstance(value, Note) else str(value))  # noqa: S704 - text, no HTML
 
 
-def _said(message: str, /, **parts: object) -> Markup:
+def _said(message: str, **parts: object) -> Markup:
     """Say a sentence of a template in the language spoken."""
     found = {key: str(_plain(value)).strip() for key, value in parts.items()}
     said = template(message_key(message))
     return Markup(re.sub(r"\{(\w+)\}", lambda one: found[one[1]], said))  # noqa: S704 - text, no HTML
 
 
-def _counted(one: str, many: str, number: int, /, **parts: object) -> Markup:
+def _counted(one: str, many: str, number: int, **parts: object) -> Markup:
     """Say the sentence for one thing, or that for another number of them."""
     return _said(one if number == 1 else many, **parts)
 

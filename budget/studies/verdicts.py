@@ -803,7 +803,7 @@ class Margin:
             ceiling=None if top is None else top.u,
             decides=alone,
             text=sentence(
-                "conditions.line",
+                "conditions.missing",
                 line=name,
                 below=known,
                 bound=line.printed,
