@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 PAGE = "pages/{}.md.j2"  # the file of a page among the templates
 _PLACE = re.compile(r"([^.]+)\.(\w+)")  # page and macro
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
-_MACRO = re.compile(r"(?ms)^\{% macro (\w+)\(.*?^\{% endmacro %\}$")
+_MACRO = re.compile(r"(?ms)^\{% macro (\w+)\(.*?\{% endmacro %\}$")
 _WORD = re.compile(r"(?<!\|)\b\w+")
 
 
@@ -110,14 +110,19 @@ def _english(place: str, parts: Mapping[str, object]) -> str:
 def _filled(place: str, parts: Mapping[str, object]) -> str:
     """Fill a macro in, in the language of the context."""
     ((page, name),) = _PLACE.findall(place)
-    if own_templates() is None:
+    said = None if own_templates() is None else _by_own(page, name, parts)
+    if said is None:
         said = str(_shipped_macro(page, name, spoken())(**parts))
-    else:
-        file = PAGE.format(page)
-        with telling(file):
-            template = _environment(own_templates()).get_template(file)
-            said = str(getattr(module_of(template, spoken()), name)(**parts))
     return " ".join(said.split()) if "\n" in said else said
+
+
+def _by_own(page: str, name: str, parts: Mapping[str, object]) -> str | None:
+    """Fill a macro of one's own in; None: it is left to the one that ships."""
+    file = PAGE.format(page)
+    with telling(file):
+        template = environment_of(own_templates()).get_template(file)
+        macro = getattr(module_of(template, spoken()), name, None)
+        return None if macro is None else str(macro(**parts))
 
 
 @cache
@@ -130,7 +135,8 @@ def _shipped_macro(page: str, name: str, language: str) -> Callable[..., str]:
 @cache
 def _shipped(page: str, name: str) -> Template:
     """Return a page that ships with one macro and those that it uses: all take long."""
-    environment = _environment(None)
+    with templates_of(None):
+        environment = environment_of(None)
     loader = cast("BaseLoader", environment.loader)
     source, file, _ = loader.get_source(environment, PAGE.format(page))
     macros = {one[1]: one[0] for one in _MACRO.finditer(source)}
@@ -150,7 +156,7 @@ def _shipped(page: str, name: str) -> Template:
 
 
 @cache
-def _environment(_: Path | None) -> SandboxedEnvironment:
+def environment_of(_: Path | None) -> SandboxedEnvironment:
     """Return what fills sentences in; they are text, and no value is escaped."""
     environment = template_environment(finalize=_plain, extensions=["jinja2.ext.i18n"])
     environment.policies["ext.i18n.trimmed"] = True

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import ast
 import pickle
+from functools import cache
 
 import pytest
+from jinja2 import meta, nodes
+from places import SHIPPED
+from sources import nodes_of
 
 from budget.errors import OutputError
 from budget.language import note, say, speaking
-from budget.resources import templates_of
-from budget.sentences import Sentence, sentence
+from budget.model.sources import SOURCES
+from budget.resources import shipped, templates_of
+from budget.sentences import PAGE, Sentence, environment_of, sentence
 
-PAGE = """{% macro few(trials, of) %}
+OWN = """{% macro few(trials, of) %}
 {% trans trials=trials %}{{ trials }} scale factors{% endtrans %}
 {% endmacro %}
 """
@@ -24,7 +30,7 @@ FEW = {"trials": 100, "outside": 5.0, "coverage": 0.95, "wanted": 2000}
 def own(tmp_path):
     """Return a folder with a page of sentences."""
     (tmp_path / "pages").mkdir()
-    (tmp_path / "pages" / "own.md.j2").write_text(PAGE, encoding="utf-8")
+    (tmp_path / "pages" / "own.md.j2").write_text(OWN, encoding="utf-8")
     return tmp_path
 
 
@@ -32,6 +38,22 @@ def test_a_sentence_of_a_page_that_does_not_ship_is_refused(own):
     """The English of a record is of what ships, whatever folder goes before."""
     with templates_of(own), pytest.raises(OutputError, match="missing"):
         sentence("own.few", trials=3, of="scale_factor")
+
+
+def test_a_page_of_ones_own_has_some_macros_and_the_others_ship(own):
+    """It is said by them, in the language; what is kept is what ships says."""
+    (own / "pages" / "cautions.md.j2").write_text(
+        "{% macro nothing_varies() %}still: {{ 'gyro'|said }}{% endmacro %}",
+        encoding="utf-8",
+    )
+    still, few = sentence("cautions.nothing_varies"), "cautions.few_trials"
+    with templates_of(own):
+        assert say(still) == "still: gyro"
+        assert say(sentence(few, **FEW)) == sentence(few, **FEW)
+        with speaking("zh"):
+            assert say(sentence(few, **FEW)).startswith("100 次试验")
+    assert say(still) == still
+    assert still.startswith("no source varies")
 
 
 def test_a_value_is_no_markup():
@@ -64,3 +86,85 @@ def test_a_sentence_is_english_and_can_be_said():
             == text
         )
     assert note("{x}!", x=again) == f"{text}!"
+
+
+@cache
+def macros_of(page):
+    """Return the macros of a page with their arguments, and what it is not given."""
+    source = shipped("templates", PAGE.format(page)).read_text(encoding="utf-8")
+    tree = environment_of(None).parse(source)
+    found = {
+        one.name: {argument.name for argument in one.args}
+        for one in tree.find_all(nodes.Macro)
+    }
+    return found, meta.find_undeclared_variables(tree)
+
+
+def made_in(tree):
+    """Return the places of sentences that code makes, with the names of their values.
+
+    A place that is no literal is one that a source has.
+    """
+    return [
+        (call.args[0].value, {keyword.arg for keyword in call.keywords})
+        for call in tree
+        if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "sentence"
+        if isinstance(call.args[0], ast.Constant)
+    ]
+
+
+def of_sources():
+    """Return the places of sentences on what sources need, and what removes them."""
+    effects = [source.effect for source in SOURCES]
+    places = {one.needs for one in effects}
+    return places.union(*({one.removed, one.removed_by_norm} for one in effects)) - {""}
+
+
+MADE = [one for path in SHIPPED for one in made_in(nodes_of(path))]
+PAGES = sorted({place.partition(".")[0] for place, _ in MADE})
+
+
+def wrong_in(made):
+    """Return the sentences that have no macro, or other values than theirs."""
+    pages = [(place, *place.split("."), values) for place, values in made]
+    return [
+        place
+        for place, page, name, values in pages
+        if macros_of(page)[0].get(name) != values
+    ]
+
+
+def test_every_sentence_has_a_macro_and_all_its_values():
+    """Those that nothing here makes as well."""
+    assert len(MADE) > 100
+    assert wrong_in(MADE) == []
+    assert wrong_in((place, set()) for place in of_sources()) == []
+
+
+def test_the_search_for_wrong_sentences_can_fail():
+    """Control: a macro that is not there, a value too few and one too many are seen."""
+    code = (
+        "sentence('cautions.none')\nsentence('conditions.decides')\n"
+        "sentence('conditions.decides', line=x, bound=y)\n"
+        "sentence('conditions.decides', line=x)\nsentence(place)\n"
+    )
+    wrong = ["cautions.none", "conditions.decides", "conditions.decides"]
+
+    assert wrong_in(made_in(ast.walk(ast.parse(code)))) == wrong
+
+
+@pytest.mark.parametrize("page", [*PAGES, "sources"])
+def test_macros_are_said_and_ask_for_nothing_else(page):
+    """No macro of a page is left over, none has a value that it is not given."""
+    macros, strange = macros_of(page)
+    made = {place for place, _ in MADE} | of_sources()
+    text = shipped("templates", PAGE.format(page)).read_text(encoding="utf-8")
+    left = [
+        name
+        for name in macros
+        if f"{page}.{name}" not in made
+        and not (name.startswith("_") and f"({name})" in text)
+    ]
+
+    assert strange == set()
+    assert left == []
