@@ -275,13 +275,7 @@ def _blocks(
             case "paragraph" if _raw(node).startswith(TABLE):
                 caption = node
             case "paragraph":
-                words = _words(node, objects)
-                if isinstance(words[0], Equations):
-                    yield Equations(equations=tuple(_equations(words)))
-                elif len(words) == 1 and isinstance(words[0], Block):
-                    yield words[0]
-                else:
-                    yield Paragraph(words=words)
+                yield _paragraph(_words(node, objects))
             case "blockquote":
                 for one in node.children:
                     yield Paragraph(words=_words(one, objects), small=True)
@@ -303,12 +297,23 @@ def _blocks(
                 caption = None
 
 
-def _equations(words: Words) -> Iterator[Equation]:
+def _paragraph(words: Any) -> Block:  # noqa: ANN401 - words, and blocks made elsewhere
+    """Return a paragraph, or what stands in its place: formulas, a block of its own."""
+    match words:
+        case (Equations(), *_):
+            return Equations(equations=tuple(_equations(words)))
+        case (one,) if isinstance(one, Block):
+            return one
+    return Paragraph(words=words)
+
+
+def _equations(words: Any) -> Iterator[Equation]:  # noqa: ANN401 - likewise
     """Yield displayed formulas, each with the words behind it as its number."""
     for one, behind in pairwise((*words, "")):
         if isinstance(one, Equations):
             said = behind.strip() if isinstance(behind, str) else ""
-            yield from (replace(own, number=said or own.number) for own in one.equations)
+            for own in one.equations:
+                yield replace(own, number=said or own.number)
 
 
 def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
