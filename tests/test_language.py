@@ -174,7 +174,7 @@ def test_a_note_is_english_and_can_be_said():
     assert isinstance(again, Note)
     with speaking("zh"):
         assert say(again) == "1 至 标度因数"
-        assert say("{axis}: ", axis=text) == "1 至 标度因数\N{FULLWIDTH COLON}"
+        assert say("{said}.", said=text) == "1 至 标度因数。"
 
 
 def test_an_unknown_language_is_refused():

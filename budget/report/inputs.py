@@ -97,18 +97,12 @@ def _rows(
     rows = []
     for line in lines:
         source = source_of(owner, line.name)
-        keys: dict[str, str] = {
+        axes: dict[str, str] = {
             Name(line.name, owner=owner, axis=axis): axis for axis in ("", *source.axes)
         }
-        rows.append(
-            InputRow(
-                line=line,
-                varies=source.meant(line).varies,
-                assumed=tuple(
-                    (keys[key], text) for key, text in assumed if key in keys
-                ),
-            )
-        )
+        own = tuple((axes[key], text) for key, text in assumed if key in axes)
+        varies = source.meant(line).varies
+        rows.append(InputRow(line=line, varies=varies, assumed=own))
     return tuple(rows)
 
 

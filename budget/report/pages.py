@@ -313,8 +313,10 @@ def _blocks(
         match node.type:
             case "paragraph" if _raw(node).startswith(TABLE):
                 caption = node
+            case "paragraph" if _raw(node).startswith(EMPTY):
+                yield Listing(items=(), empty=_text(node).removeprefix(EMPTY))
             case "paragraph":
-                yield _paragraph(node, objects)
+                yield _paragraph(_words(node, objects))
             case "blockquote":
                 for one in node.children:
                     yield Paragraph(words=_words(one, objects), small=True)
@@ -336,26 +338,23 @@ def _blocks(
                 caption = None
 
 
-def _equations(words: Words) -> Iterator[Equation]:
+def _paragraph(words: Any) -> Block:  # noqa: ANN401 - words, and blocks made elsewhere
+    """Return a paragraph, or what stands in its place: formulas, a block of its own."""
+    match words:
+        case (Equations(), *_):
+            return Equations(equations=tuple(_equations(words)))
+        case (one,) if isinstance(one, Block):
+            return one
+    return Paragraph(words=words)
+
+
+def _equations(words: Any) -> Iterator[Equation]:  # noqa: ANN401 - likewise
     """Yield displayed formulas, each with the words behind it as its number."""
     for one, behind in pairwise((*words, "")):
         if isinstance(one, Equations):
             said = behind.strip() if isinstance(behind, str) else ""
-            yield from (
-                replace(own, number=said or own.number) for own in one.equations
-            )
-
-
-def _paragraph(node: SyntaxTreeNode, objects: Sequence[Object]) -> Block:
-    """Return words, or the block alone that stands in their place."""
-    if _raw(node).startswith(EMPTY):
-        return Listing(items=(), empty=_text(node).removeprefix(EMPTY))
-    words = _words(node, objects)
-    if words and isinstance(words[0], Equations):
-        return Equations(equations=tuple(_equations(words)))
-    if len(words) == 1 and isinstance(words[0], Block):
-        return words[0]
-    return Paragraph(words=words)
+            for own in one.equations:
+                yield replace(own, number=said or own.number)
 
 
 def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:

@@ -13,6 +13,8 @@ from budget.report.blocks import (
     Abreast,
     Card,
     Cell,
+    Equation,
+    Equations,
     Listing,
     Pairs,
     Panel,
@@ -75,11 +77,40 @@ def test_a_page_becomes_the_blocks_that_its_marks_ask_for(page):
     assert (two.in_brief, two.blocks) == ("", (Paragraph(words=("End.",)),))
 
 
+def test_displayed_formulas_stand_side_by_side_with_their_numbers(page):
+    """Each on a line, what stands behind it is its number; those inside words do not.
+
+    A value is a part of a formula, and so are letters that Markdown reads.
+    """
+    (section,) = page(
+        "## T {:t}\n\nOf $n_x$:\n\n$$ K_x = {{ x }}/(4 pi m) $$ eq. (3)\n"
+        "{% for one in z %}\n$$ delta_(x {{ one }}) $$\n{% endfor %}\n"
+        "$$ e^(-L\\/tau) $$ {% trans tau=tau %}time {{ tau }}{% endtrans %}\n\nEnd.\n",
+        x="n_(x 2)",
+        z="yz",
+        tau="*t*",
+    )
+    _, formulas, end = section.blocks
+    sources = {
+        "K_x = n_(x 2)/(4 pi m)": "eq. (3)",
+        "delta_(x y)": "",
+        "delta_(x z)": "",
+        "e^(-L\\/tau)": "time *t*",
+    }
+    assert formulas == Equations(
+        equations=tuple(
+            Equation(math=Math(source=source), number=number)
+            for source, number in sources.items()
+        )
+    )
+    assert end == Paragraph(words=("End.",))
+
+
 def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
     """Kinds, weights, what goes where nothing stands in it; bars, remarks, titles."""
     (section,) = page(
         "## T {:t}\n\nTable: What it shows {:sizes wide}\n\n"
-        "| line{1.4} | size | unit | gone? | hash{code} |\n|---|--:|:-:|---|---|\n"
+        "| line{1.4} | size | unit | gone? | hash{code 3.0} |\n|---|--:|:-:|---|---|\n"
         '| a{{ "why"|beneath }} | {{ "1.2"|exact(1.23)|strong }} | deg | | ff |\n'
         '| = more |\n| b | {{ "9"|bar(0.5) }} | g | | 00 |\n'
     )
@@ -91,7 +122,7 @@ def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
     )
     assert [(one.head, one.kind, one.weight) for one in table.columns] == [
         *(("line", "text", 1.4), ("size", "number", 1.0)),
-        *(("unit", "unit", 1.0), ("hash", "code", 1.0)),
+        *(("unit", "unit", 1.0), ("hash", "code", 3.0)),
     ]
     assert [group.title for group in table.groups] == ["", "more"]
     (first,), (second,) = (group.rows for group in table.groups)

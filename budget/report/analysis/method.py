@@ -19,7 +19,6 @@ from budget.studies.request import sensors_of
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from budget.arrays import Array
     from budget.inputs.records import Device, Procedure
     from budget.model.scheme import Scheme
     from budget.names import Name
@@ -86,32 +85,27 @@ class Weights:
 
 def _weights(scheme: Scheme) -> Weights:
     """Gather the weights of one triad."""
-    inputs = scheme.turn + scheme.standing
-    parts = [(w.name, u) for w, u in zip(scheme.schedule.windows, inputs, strict=True)]
-    kind, by_axis = "windows", dict(zip(AXES, scheme.weights, strict=True))
+    windows, inputs = scheme.schedule.windows, scheme.turn + scheme.standing
+    parts = [(window.name, u) for window, u in zip(windows, inputs, strict=True)]
+    kind, names = "windows", ()
+    if isinstance(scheme, RotationScheme | NormScheme):
+        names = tuple(parameters_of(scheme.owner)[k] for k in scheme.held.estimated)
     if isinstance(scheme, RotationScheme):
-        W = scheme.inverse[scheme.held.estimated]
-        kind, parts = "rotation", scheme.parts
+        kind, parts, W = "rotation", scheme.parts, scheme.inverse[scheme.held.estimated]
         by_axis = {axis: W[:, k::3] for k, axis in enumerate(AXES)}
     elif isinstance(scheme, NormScheme):
         kind, by_axis = "norm", {"": scheme.norm_weights}
     elif all(np.array_equal(scheme.weights[0], W) for W in scheme.weights):
         by_axis = {"": scheme.weights[0]}
-    estimated = () if scheme.held is None else scheme.held.estimated
+    else:
+        by_axis = dict(zip(AXES, scheme.weights, strict=True))
     return Weights(
         scheme=scheme,
         kind=kind,
-        names=tuple(
-            parameters_of(scheme.owner)[k] for k in estimated if kind != "windows"
-        ),
+        names=names,
         columns=len(next(iter(by_axis.values()))),
         groups=tuple(
-            (axis, [_row(*part, W[:, k]) for k, part in enumerate(parts)])
+            (axis, [(name, [*u, *W[:, k]]) for k, (name, u) in enumerate(parts)])
             for axis, W in by_axis.items()
         ),
     )
-
-
-def _row(name: str, mean_input: Array, weights: Array) -> tuple[str, list[float]]:
-    """Return a row of the weights."""
-    return name, [*mean_input.tolist(), *weights.tolist()]

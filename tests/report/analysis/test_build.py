@@ -41,8 +41,8 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.device_file import MARK
-from budget.report.inputs import print_by_axis
 from budget.report.tables import group_tables
+from budget.report.writing import print_by_axis
 from budget.resources import shipped
 from budget.results import CapAssessment
 from budget.studies.evidence import gather_evidence
