@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, floor, log, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.language import say
 from budget.names import LENGTHS, SPANS, time_text
-from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.style import (
     INK,
     PAPER,
@@ -22,7 +20,8 @@ from budget.report.figures.style import (
     plane,
     write,
 )
-from budget.report.tables import full_title, length, print_share, round_uncertainty
+from budget.report.pages import blocks, line
+from budget.report.tables import full_title
 from budget.results import CEP, R95
 from budget.ties import from_largest
 
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.names import Name
-    from budget.report.blocks import Picture, Table
+    from budget.report.blocks import Picture
     from budget.results import OutputAssessment
     from budget.studies.mission import Curve
 
@@ -53,6 +52,7 @@ TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
 MOST_TICKS = 6  # of an even axis of times
 AIDED = "#e4e8ed"  # of the times with aids
 APART = 0.11  # of the axis, between two names beside it [1]
+said = partial(line, "figures_growth")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,35 +106,28 @@ def growth_pictures(
 
 def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
     """Show CEP, R95, limits and the parts of the largest sources over time."""
-    end = growth.curve.times[-1]
-    title = say(
-        "Off by {cep} CEP after {time}",
-        cep=length(float(growth.cep[-1])),
-        time=time_text(end),
+    curve, lines = growth.curve, _lines(growth)
+    title = said("title", cep=growth.cep[-1], end=curve.times[-1])
+    rows = zip(
+        map(_around, curve.times), growth.cep, growth.r95, growth.shares.T, strict=True
     )
-    lines = _lines(growth)
+    data: Any = blocks("figures_growth", "data", names=_names(growth), rows=rows)[0]
     return as_picture(
         _draw_growth(growth, limits, title),
         name="mission-growth",
         title=title,
-        alt=say(
-            "{title}. From {first} to {time}: {lines}.",
+        alt=said(
+            "alt",
             title=title,
-            first=_around(growth.curve.times[0]),
-            time=time_text(end),
-            lines=say("; ").join(lines.values()),
+            first=_around(curve.times[0]),
+            end=curve.times[-1],
+            lines=lines.values(),
         ),
         tips=lines,
-        caption=say(
-            "Lines of sources: CEP times the root of their share of the variance, so "
-            "that their squares add up to that of CEP. Diamonds: limits, each to be "
-            "held at its own probability."
-            if _horizontal(limits)
-            else "Lines of sources: CEP times the root of their share of the variance, "
-            "so that their squares add up to that of CEP."
-        )
-        + (say(" Shaded: with aids.") if growth.curve.measured else ""),
-        data=_data(growth),
+        caption=said(
+            "caption", has_limits=_horizontal(limits), has_aids=curve.measured
+        ),
+        data=data,
         data_on_paper=False,
     )
 
@@ -142,23 +135,14 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
 def shares_picture(growth: Growth) -> Picture:
     """Show the shares of the variance over time, one upon the other."""
     leaders = growth.leaders
-    last = full_title(leaders[-1][0])
-    title = (
-        say("All the time {source} contributes most", source=last)
-        if len(leaders) == 1
-        else say(
-            "From {time} on {source} contributes most",
-            time=_around(leaders[-1][1]),
-            source=last,
-        )
+    last, since = leaders[-1]
+    title = said(
+        "shares_title",
+        source=full_title(last),
+        since=_around(since) if len(leaders) > 1 else "",
     )
     parts = {
-        f"area-{k}": say(
-            "{name}: {first} of the variance at first, {last} at the end",
-            name=name,
-            first=print_share(float(shares[0])),
-            last=print_share(float(shares[-1])),
-        )
+        f"area-{k}": said("area_tip", name=name, shares=shares)
         for k, (name, shares) in enumerate(
             zip(_names(growth), growth.shares, strict=True)
         )
@@ -168,33 +152,28 @@ def shares_picture(growth: Growth) -> Picture:
         _draw_shares(growth, title),
         name="mission-shares",
         title=title,
-        alt=say("{title}. {parts}.", title=title, parts=say("; ").join(parts.values())),
+        alt=said("shares_alt", title=title, parts=parts.values()),
         tips=parts,
     )
 
 
 def _names(growth: Growth) -> tuple[str, ...]:
     """Return the titles of the sources, and of all others together."""
-    return (*map(full_title, growth.sources), say("all others"))
+    return (*map(full_title, growth.sources), said("others"))
 
 
 def _lines(growth: Growth) -> dict[str, str]:
     """Say where each line begins and ends."""
     named = {
-        "line-r95": (say("R95"), growth.r95),
-        "line-cep": (say("CEP"), growth.cep),
+        "line-r95": ("R95", growth.r95),
+        "line-cep": ("CEP", growth.cep),
         **{
             f"line-{k}": (name, growth.cep * np.sqrt(growth.shares[k]))
             for k, name in enumerate(_names(growth)[:-1])
         },
     }
     return {
-        key: say(
-            "{name}: {low} to {high}",
-            name=name,
-            low=length(float(values[0])),
-            high=length(float(values[-1])),
-        )
+        key: said("line_tip", name=name, sizes=values)
         for key, (name, values) in named.items()
     }
 
@@ -224,9 +203,7 @@ def _draw_growth(
     """Draw all lines on two logarithmic axes."""
     own = _horizontal(limits)
     largest = max(float(growth.r95.max()), *(row.limit for row in own), 0.0)
-    figure, axes = plane(
-        title, say("time since the mission began"), say("horizontal error"), HEIGHT
-    )
+    figure, axes = plane(title, said("time_axis"), said("error_axis"), HEIGHT)
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
     x = np.array(growth.curve.times)
     _across(axes, growth.curve)
@@ -270,8 +247,8 @@ def _draw_shares(growth: Growth, title: str) -> Figure:
     """Draw areas one upon the other, the largest source at the bottom."""
     figure, axes = plane(
         title,
-        say("time since the mission began"),
-        say("share of the variance [%]"),
+        said("time_axis"),
+        said("share_axis"),
         HEIGHT,
     )
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
@@ -424,39 +401,4 @@ def _on_paper(
         ha=ha,
         va="center",
         bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
-    )
-
-
-def _data(growth: Growth) -> Table:
-    """Return the numbers behind both figures."""
-    names = _names(growth)
-    rows = range(len(growth.curve.times))
-
-    def size(values: Array, place: int) -> Cell:
-        value = float(values[place])
-        return Cell(text=round_uncertainty(value), exact=value)
-
-    def share(k: int, place: int) -> Cell:
-        value = float(growth.shares[k][place])
-        return Cell(text=print_share(max(value, 0.0)).removesuffix(" %"), exact=value)
-
-    return table_of(
-        rows,
-        (
-            Field(
-                head=say("after"), cell=lambda place: _around(growth.curve.times[place])
-            ),
-            Field(head="CEP [m]", kind="number", cell=partial(size, growth.cep)),
-            Field(head="R95 [m]", kind="number", cell=partial(size, growth.r95)),
-            *(
-                Field(
-                    head=say("{name} [%]", name=name),
-                    kind="number",
-                    cell=partial(share, k),
-                )
-                for k, name in enumerate(names)
-            ),
-        ),
-        name="mission-growth-data",
-        caption=say("Horizontal error over time and shares of its variance"),
     )
