@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import say
 from budget.report.figures.style import (
     GRID,
     INK,
@@ -33,6 +32,7 @@ from budget.report.figures.style import (
     write,
     write_on,
 )
+from budget.report.pages import line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -175,7 +175,7 @@ class Chart:
     title: str
     sides: tuple[Side, ...]  # beside each other
     lead: str = ""  # what the numbers are, before those of the rows are said
-    after: str = ""  # what is said after them
+    after: str = ""  # what is said after them, a sentence or none
     caption: str = ""
     heads: tuple[Head, ...] = ()  # words above the first panel
     # Heads of the columns of texts on the right; '' for none.
@@ -199,24 +199,7 @@ class Chart:
     @property
     def alt(self) -> str:
         """The finding and all numbers, for those who cannot see them."""
-        said = [
-            (group.said or group.title, [row.said for row in group.rows if row.said])
-            for group in self.groups
-        ]
-        texts = [
-            say("{title}: {rows}", title=title, rows=say(", ").join(rows))
-            if title
-            else say("; ").join(rows)
-            for title, rows in said
-            if rows
-        ]
-        return say(
-            "{title}. {lead}{texts}.{after}",
-            title=self.title,
-            lead=self.lead,
-            texts=say("; ").join(texts),
-            after=self.after,
-        )
+        return line("figures_rows", "alt", chart=self)
 
     @property
     def tips(self) -> dict[str, str]:
