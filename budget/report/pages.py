@@ -26,7 +26,8 @@ that terminal, HTML and PDF show. What it may write:
 
 A whole document begins with `# Title`, a listing of facts, the headline, the summary
 (each a paragraph) and its cards (`### Title`, a paragraph a line); sections follow. The
-words of a figure, and of what is made elsewhere, are macros of a page.
+words of a figure, and of what is made elsewhere, are macros of a page; where one says
+several things, each is a point that begins with its name: `- title: words`.
 
 Sentences stand in `{% trans %}`, whole, with their values as named parts. No value is
 read as Markdown, whatever stands in it. Filters round and write values; a template
@@ -42,6 +43,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import groupby, pairwise
 from operator import attrgetter
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -98,7 +100,10 @@ _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
 _NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
 _HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w. ]+)\})?$", re.DOTALL)
 # What Markdown reads, or a mark, in words that a template has printed.
-_READ = re.compile(rf"[*\\`$|#>{EXACT}{OBJECT}{BENEATH}{BAR}]|^\s*[-+\d]", re.MULTILINE)
+_READ = re.compile(
+    rf"[*\\`$|#>{EXACT}{OBJECT}{BENEATH}{BAR}]|^\s*(?:[-+]|\d+[.)])", re.MULTILINE
+)
+_POINTS = re.compile(r"^- (\w+):", re.MULTILINE)
 _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
@@ -143,6 +148,12 @@ def cards(page: str, macro: str = "", /, **view: object) -> tuple[Card, ...]:
         return tuple(_cards(*_filled(page, view, macro)))
 
 
+def table(page: str, macro: str = "", /, **view: object) -> Table:
+    """Return the table of a page, or of one of its macros."""
+    own = blocks(page, macro, **view)
+    return next(one for one in own if isinstance(one, Table))
+
+
 def line(page: str, macro: str = "", /, **view: object) -> str:
     """Return the words of a page, or of one of its macros, as plain text."""
     with telling(_file(page)):
@@ -154,6 +165,14 @@ def lines(page: str, macro: str = "", /, **view: object) -> tuple[str, ...]:
     with telling(_file(page)):
         rows = _printed(page, view, macro).split("\n")
         return tuple(filter(None, map(_plain, rows)))
+
+
+def texts(page: str, macro: str, /, **view: object) -> SimpleNamespace:
+    """Return the points of a macro, `- name: words`, by their names as plain text."""
+    with telling(_file(page)):
+        _, *points = _POINTS.split(_printed(page, view, macro))
+        named = zip(points[::2], map(_plain, points[1::2]), strict=True)
+        return SimpleNamespace(**dict(named))
 
 
 def runs(page: str, macro: str = "", /, **view: object) -> Words:
@@ -214,6 +233,13 @@ def _printed(page: str, view: Mapping[str, object], macro: str) -> str:
     if not macro:
         return template.render(view)
     return str(getattr(module_of(template, spoken()), macro)(**view))
+
+
+def _plain(text: str) -> str:
+    """Return printed words as plain text; Markdown is read where there is any."""
+    if _READ.search(text) is None:
+        return shown(" ".join(re.split("[ \n]+", text.strip(" \n"))))
+    return " ".join(map(_text, _nodes(text)))
 
 
 def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
@@ -421,7 +447,7 @@ def _cell(node: SyntaxTreeNode) -> Cell:
         else:
             text += str(word)
     return Cell(
-        text=text.strip(), exact=exact, share=share, strong=strong, note=note.strip()
+        text=text.rstrip(), exact=exact, share=share, strong=strong, note=note.strip()
     )
 
 

@@ -175,7 +175,7 @@ class Chart:
     title: str
     sides: tuple[Side, ...]  # beside each other
     lead: str = ""  # what the numbers are, before those of the rows are said
-    after: str = ""  # what is said after them
+    after: str = ""  # what is said after them, a sentence or none
     caption: str = ""
     heads: tuple[Head, ...] = ()  # words above the first panel
     # Heads of the columns of texts on the right; '' for none.

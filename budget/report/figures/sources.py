@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from math import fsum
 from typing import TYPE_CHECKING
 
-from budget.language import key_title, say, term, words
+from budget.language import key_title, words
 from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
 from budget.names import IMU
-from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -36,6 +35,7 @@ from budget.report.figures.style import (
     in_order,
     look_of,
 )
+from budget.report.pages import line, table, texts
 from budget.report.tables import (
     ALL,
     SMALL_SHARE,
@@ -44,20 +44,21 @@ from budget.report.tables import (
     print_share,
     source_title,
 )
-from budget.report.wording import capital
 from budget.results import widest_of_each
-from budget.ties import first_largest
+from budget.ties import largest
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from budget.names import Name
     from budget.report.figures.rows import Mark
     from budget.report.tables import GroupTable
     from budget.results import Budget, OutputBudget, SobolIndex
     from budget.studies.coupling import Coupling, CouplingTable
 
+PAGE = "figures_sources"
 SPAN = WIDTH - 36.0  # of the whole variance at least [pt]
 VISIBLE = 0.002  # share below which a segment is thinner than a line [1]
-MAJORITY = 0.5  # share of the variance [1]
 
 
 def share_chart(group: GroupTable) -> Chart:
@@ -65,6 +66,7 @@ def share_chart(group: GroupTable) -> Chart:
 
     The table of the budget has the numbers.
     """
+    said = texts(PAGE, "shares", group=group)
     bars = [_segments(group, place) for place in range(len(group.rows))]
     starts = [fsum(share for _, share in bars[0][:k]) for k in range(len(bars[0]))]
     heads = {
@@ -83,54 +85,33 @@ def share_chart(group: GroupTable) -> Chart:
         low=0.0,
         high=100.0,
         ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label=say("share of the variance [%]"),
+        label=said.label,
     )
-    rows = tuple(_shares_row(group, place, bar) for place, bar in enumerate(bars))
+    rows = tuple(
+        Row(
+            label=row.axis,
+            marks=tuple(_segment_bars(group, place, bar)),
+            beside=() if bar else (said.no_spread,),
+            said=line(PAGE, "shares_row", axis=row.axis, bar=bar, sensor=group.sensor),
+        )
+        for place, (row, bar) in enumerate(zip(group.rows, bars, strict=True))
+    )
     return Chart(
         name=f"shares-{group.sensor}-{group.parameter}",
-        title=_shares_title(group),
+        title=said.title,
         sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
-        lead=say("Shares of the variance by axis. "),
+        lead=said.lead,
         heads=tuple(heads.values()),
         pitch=21.0,
         legend=tuple(
             (
                 *_segment_look(name, group)[:2],
-                _segment_name(name, group, say("other, each below 1 %")),
+                said.other if name == OTHER else source_title(name, of=group.sensor),
             )
             for name in in_order(seen)
             if name not in heads
         ),
     )
-
-
-def _shares_title(group: GroupTable) -> str:
-    """State the finding: what makes most of the variance of a group."""
-    first, *others = group.sources
-    if first.share.exact == 0.0:
-        return say("The {group} has no spread", group=group.title)
-    whole = say("of the {group} variance", group=group.title)
-    if first.share.exact >= MAJORITY or not others:
-        return say(
-            "{first} contributes {share} {whole}",
-            first=capital(first.title),
-            share=first.share.text,
-            whole=whole,
-        )
-    second = others[0]
-    both = print_share(first.share.exact + second.share.exact)
-    return say(
-        "{first} and {second} contribute {both} {whole}",
-        first=capital(first.title),
-        second=second.title,
-        both=both,
-        whole=whole,
-    )
-
-
-def _segment_name(source: Name, group: GroupTable, other: str) -> str:
-    """Name a segment for people."""
-    return other if source == OTHER else source_title(source, of=group.sensor)
 
 
 def _segments(group: GroupTable, place: int) -> list[tuple[Name, float]]:
@@ -153,46 +134,33 @@ def _segment_look(source: Name, group: GroupTable) -> tuple[str, str, str]:
     return look_of(source)
 
 
-def _shares_row(group: GroupTable, place: int, bar: list[tuple[Name, float]]) -> Row:
-    """Return one stacked bar; each segment has its tooltip."""
-    axis = group.rows[place].axis
+def _segment_bars(
+    group: GroupTable, place: int, bar: list[tuple[Name, float]]
+) -> Iterator[Bar]:
+    """Yield the segments of one stacked bar, each with its tooltip."""
     alone = {row.source: row.cells[place].u.text for row in group.sources}
-    marks, said, start = [], [], 0.0
+    start = 0.0
     for source, share in bar:
         colour, hatch, ink = _segment_look(source, group)
-        text = print_share(share)
-        name = _segment_name(source, group, say("all others together"))
-        tip = say(
-            "{group} {axis}: {name} {text} of the variance",
-            group=group.title,
-            axis=axis,
-            name=name,
-            text=text,
+        yield Bar(
+            start=100.0 * start,
+            end=100.0 * (start + share),
+            colour=colour,
+            hatch=hatch,
+            height=15.0,
+            text=print_share(share) if ink else "",
+            text_colour=ink,
+            tip=line(
+                PAGE,
+                "share",
+                group=group,
+                axis=group.rows[place].axis,
+                source=source,
+                share=share,
+                alone=alone.get(source),
+            ),
         )
-        if source in alone:
-            tip += say(", alone u {alone} {unit}", alone=alone[source], unit=group.unit)
-        marks.append(
-            Bar(
-                start=100.0 * start,
-                end=100.0 * (start + share),
-                colour=colour,
-                hatch=hatch,
-                height=15.0,
-                text=text if ink else "",
-                text_colour=ink,
-                tip=tip,
-            )
-        )
-        said.append(f"{source_title(source, of=group.sensor)} {text}")
         start += share
-    return Row(
-        label=axis,
-        marks=tuple(marks),
-        beside=() if bar else (say("no spread"),),
-        said=say(
-            "{axis}: {said}", axis=axis, said=say(", ").join(said) or say("no spread")
-        ),
-    )
 
 
 # Opacity of the one hue by the part of u that a source makes: steps that stay apart in
@@ -207,22 +175,20 @@ STEPS = (
 )
 EDGES = {1e-6: "1e-6", 1e-4: "1e-4", 1e-3: "0.1 %", 0.01: "1 %", 0.1: "10 %"}
 PER_CENT_FROM = 0.001  # smaller parts are written as powers of ten [1]
-NOTHING = term("none")
 
 
-def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
+def coupling_chart(found: CouplingTable, sensor: str) -> Chart | None:
     """Show sources by groups of parameters, the hue by the size of what reaches.
 
     Of one sensor; None where nothing reaches anything.
     """
-    cells = [cell for cell in table.cells if cell.group.owner == sensor]
+    cells = [cell for cell in found.cells if cell.group.owner == sensor]
     if not any(cell.reaches for cell in cells):
         return None
-    groups = [group for group in table.groups if group.owner == sensor]
-    reaching = [s for s in table.sources if any(cell.source == s for cell in cells)]
+    groups = [group for group in found.groups if group.owner == sensor]
+    reaching = [s for s in found.sources if any(cell.source == s for cell in cells)]
     own = [s for s in reaching if s.owner in SENSORS]
     shared = [s for s in reaching if s.owner not in SENSORS]
-    sources = (*in_order(own), *in_order(shared))
     parts = {
         # The sensors' own need no head where no others stand below.
         words(sensor) if shared else "": (in_order(own), sensor),
@@ -237,7 +203,7 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
             rows=tuple(
                 _coupling_row(
                     source,
-                    [table.cell(source, group) for group in groups],
+                    [found.cell(source, group) for group in groups],
                     sensor,
                     among=owner,
                 )
@@ -247,17 +213,17 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
         for title, (members, owner) in parts.items()
         if members
     )
-
-    def column(group: Name) -> Field[Name]:
-        return Field(
-            head=f"{words(group.quantity)} [%]",
-            kind="number",
-            cell=lambda source: _part_cell(table.cell(source, group)),
-        )
-
+    foreign = [cell for cell in cells if cell.reaches and not cell.is_own]
+    said = texts(
+        PAGE,
+        "coupling",
+        sensor=sensor,
+        farthest=[foreign[k] for k in largest([cell.size for cell in foreign])],
+        part=print_part,
+    )
     return Chart(
         name=f"coupling-{sensor}",
-        title=_coupling_title(cells, sensor),
+        title=said.title,
         sides=(
             Side(
                 panels=(
@@ -265,45 +231,29 @@ def coupling_chart(table: CouplingTable, sensor: str) -> Chart | None:
                         scale=Scale(low=0.0, high=float(len(groups)), ticks=()),
                         groups=drawn,
                     ),
-                    _hues(),
+                    _hues(said.label),
                 )
             ),
         ),
-        lead=say(
-            "u from one source alone over u from all, of the {sensor}. ",
-            sensor=words(sensor),
-        ),
-        after=say(" All other sources reach nothing."),
-        caption=say("Framed: the own spread of a parameter. Empty: nothing."),
+        lead=said.lead,
+        after=said.after,
+        caption=said.caption,
         heads=tuple(
             Head(at=x + 0.5, text=words(group.quantity))
             for x, group in enumerate(groups)
         ),
         pitch=18.0,
         data_on_paper=False,
-        data=table_of(
-            sources,
-            (
-                Field(
-                    head=say("source"), cell=lambda name: source_title(name, of=sensor)
-                ),
-                *map(column, groups),
-            ),
-            name=f"coupling-{sensor}-data",
-            caption=say(
-                "u of each {sensor} source over u of all, in per cent",
-                sensor=words(sensor),
-            ),
+        data=table(
+            PAGE,
+            "coupling_data",
+            sensor=sensor,
+            sources=(*in_order(own), *in_order(shared)),
+            groups=groups,
+            table=found,
+            per_cent=_per_cent,
         ),
     )
-
-
-def _part_cell(cell: Coupling) -> Cell:
-    """Return the part of u that a source makes of a group."""
-    if not cell.reaches:
-        return Cell(text=say(NOTHING))
-    exact = 100.0 * cell.size
-    return Cell(text=_per_cent(cell.size), exact=exact, strong=cell.is_own)
 
 
 def print_part(size: float) -> str:
@@ -311,24 +261,6 @@ def print_part(size: float) -> str:
     if size < PER_CENT_FROM:
         return f"{size:.1e}".replace("e-0", "e-")
     return f"{_per_cent(size)} %"
-
-
-def _coupling_title(cells: list[Coupling], sensor: str) -> str:
-    """State the finding: which source reaches farthest where it does not belong."""
-    foreign = [cell for cell in cells if not cell.is_own]
-    most = foreign[first_largest([cell.size for cell in foreign])] if foreign else None
-    if most is None or not most.reaches:
-        return say(
-            "Each {sensor} parameter is reached by its own spread alone",
-            sensor=words(sensor),
-        )
-    title = source_title(most.source, of=sensor)
-    return say(
-        "Besides own spreads, {title} reaches farthest: {size} of the u of the {group}",
-        title=title,
-        size=print_part(most.size),
-        group=key_title(most.group),
-    )
 
 
 def _coupling_row(
@@ -339,48 +271,37 @@ def _coupling_row(
     Its name leaves out the owner that it stands among.
     """
     name = source_title(source, of=among)
-    title = source_title(source, of=sensor)
-    marks: list[Mark] = []
-    said = []
-    for x, cell in enumerate(cells):
-        if not (cell.reaches or cell.is_own):
-            continue
-        opacity = next(opacity for edge, opacity in STEPS if cell.size >= edge)
-        part = print_part(cell.size)
-        marks.append(
-            Bar(
-                start=x + 0.015,
-                end=x + 0.985,
-                colour=BLUE if cell.reaches else "none",
-                edge="none",
-                opacity=opacity,
-                height=16.0,
-                is_framed=cell.is_own,
-                text=part if cell.reaches else "",
-                text_colour=ON_DARK if opacity == 1.0 else INK,
-                tip=say(
-                    "{title} contributes {part} of the u of the {group}",
-                    title=title,
-                    part=part,
-                    group=key_title(cell.group),
-                )
-                if cell.reaches
-                else "",
-            )
-        )
-        if cell.reaches:
-            owned = say(" (own)") if cell.is_own else ""
-            said.append(f"{words(cell.group.quantity)} {part}{owned}")
+    reaching = [cell for cell in cells if cell.reaches]
     return Row(
         label=name,
-        marks=tuple(marks),
-        said=say("{name}: {said}", name=name, said=say(", ").join(said))
-        if said
-        else "",
+        marks=tuple(
+            _coupling_bar(x, cell, sensor)
+            for x, cell in enumerate(cells)
+            if cell.reaches or cell.is_own
+        ),
+        said=line(PAGE, "coupling_row", name=name, cells=reaching, part=print_part),
     )
 
 
-def _hues() -> Panel:
+def _coupling_bar(x: int, cell: Coupling, sensor: str) -> Bar:
+    """Return one cell of the map; a frame alone where an own spread is 0."""
+    opacity = next(opacity for edge, opacity in STEPS if cell.size >= edge)
+    tip = line(PAGE, "coupling_cell", cell=cell, sensor=sensor, part=print_part)
+    return Bar(
+        start=x + 0.015,
+        end=x + 0.985,
+        colour=BLUE if cell.reaches else "none",
+        edge="none",
+        opacity=opacity,
+        height=16.0,
+        is_framed=cell.is_own,
+        text=print_part(cell.size) if cell.reaches else "",
+        text_colour=ON_DARK if opacity == 1.0 else INK,
+        tip=tip if cell.reaches else "",
+    )
+
+
+def _hues(label: str) -> Panel:
     """Return the steps of the hue, their edges written below."""
     rising = STEPS[::-1]
     return Panel(
@@ -392,7 +313,7 @@ def _hues() -> Panel:
                 for place, (edge, _) in enumerate(rising)
                 if place
             ),
-            label=say("u of one source over u of all"),
+            label=label,
         ),
         groups=(
             Group(
@@ -435,6 +356,11 @@ class Indices:
     zero: tuple[Name, ...]  # names of the other sources
 
     @property
+    def interacts(self) -> bool:
+        """Whether any of those shown does."""
+        return any(index.interacts for _, index in self.shown)
+
+    @property
     def ranked(self) -> list[tuple[Name, SobolIndex]]:
         """Those shown by rank, then by total index."""
         return sorted(self.shown, key=lambda pair: (pair[1].rank, -pair[1].total))
@@ -448,18 +374,16 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     found = _widest(budget, sensor)
     if not found:
         return None
-    zeros = say("; ").join(
-        say("for the {parameter}: ", parameter=words(one.row.parameter))
-        + say(", ").join(source_title(name, of=sensor) for name in one.zero)
-        for one in found
-        if one.zero
-    )
-    zeros = say(" 0 to the digits that are sure {zeros}.", zeros=zeros) if zeros else ""
+    pairs = [(one.row, *pair) for one in found for pair in one.shown]
+    seen = [pair for pair in pairs if _can_be_seen(pair[2])]
+    gaps = [index.total - index.first for _, _, index in seen]
+    view = {"found": found, "sensor": sensor, "first": _first, "total": _total}
+    said = texts(PAGE, "sobol", seen=[seen[k] for k in largest(gaps)], **view)
     scale = Scale(
         low=0.0,
         high=1.0,
         ticks=tuple((float(x), x) for x in ("0", "0.25", "0.5", "0.75", "1")),
-        label=say("index, a share of the variance [1]"),
+        label=said.label,
     )
     groups = tuple(
         Group(
@@ -471,88 +395,15 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     )
     return Chart(
         name=f"sobol-{sensor}",
-        title=_sobol_title(found, sensor),
+        title=said.title,
         sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead=say("Sobol' indices with intervals. "),
-        after=zeros,
-        caption=(
-            say(
-                "Dot: first-order index, ring: total index, with their "
-                "intervals; a band between them is interaction.{zeros}",
-                zeros=zeros,
-            )
-        ),
-        beside=(say("first, total"),),
+        lead=said.lead,
+        after=said.after,
+        caption=said.caption,
+        beside=(said.beside,),
         pitch=20.0,
         data_on_paper=False,
-        data=table_of(
-            [(one.row, *pair) for one in found for pair in one.ranked],
-            (
-                Field(
-                    head=say("source"),
-                    cell=lambda one: Cell(
-                        text=source_title(one[1], of=sensor),
-                        note=say("interacts") if one[2].interacts else "",
-                    ),
-                ),
-                Field(head=say("rank"), cell=lambda one: _rank(one[0], one[2])),
-                Field(
-                    head=say("first order"),
-                    kind="number",
-                    cell=lambda one: Cell(text=_first(one[2])[0], exact=one[2].first),
-                ),
-                Field(
-                    head=say("interval"),
-                    kind="unit",
-                    cell=lambda one: _first(one[2])[1],
-                ),
-                Field(
-                    head=say("total"),
-                    kind="number",
-                    cell=lambda one: Cell(text=_total(one[2])[0], exact=one[2].total),
-                ),
-                Field(
-                    head=say("interval"),
-                    kind="unit",
-                    cell=lambda one: _total(one[2])[1],
-                ),
-            ),
-            name=f"sobol-{sensor}-data",
-            caption=say(
-                "Sobol' indices of the widest {sensor} outputs", sensor=words(sensor)
-            ),
-            by=lambda one: capital(key_title(one[0].output.name)),
-            titled=True,
-        ),
-    )
-
-
-def _sobol_title(found: tuple[Indices, ...], sensor: str) -> str:
-    """State the finding: the largest interaction, or that there is none."""
-    pairs = [(one.row, *pair) for one in found for pair in one.shown]
-    seen = [pair for pair in pairs if _can_be_seen(pair[2])]
-    if seen:
-        row, source, index = seen[
-            first_largest([index.total - index.first for _, _, index in seen])
-        ]
-        first, total = _first(index)[0], _total(index)[0]
-        return say(
-            "{source} interacts in the {name}: first order {first}, total {total}",
-            source=capital(source_title(source, of=sensor)),
-            name=key_title(row.output.name),
-            first=first,
-            total=total,
-        )
-    if any(index.interacts for _, _, index in pairs):
-        return say(
-            "Products of {sensor} sources make too little to print: "
-            "first-order and total indices agree",
-            sensor=words(sensor),
-        )
-    return say(
-        "No {sensor} source interacts beyond chance: first-order "
-        "and total indices agree",
-        sensor=words(sensor),
+        data=table(PAGE, "sobol_data", **view),
     )
 
 
@@ -582,13 +433,15 @@ def _sobol_row(
 ) -> Row:
     """Return one source: dot above, ring below, whiskers, and the gap between."""
     colour, title = look_of(source)[0], source_title(source, of=sensor)
-    first, total = _first(index), _total(index)
-    said = say(
-        "{title} first order {first} and total {total}",
+    said = texts(
+        PAGE,
+        "sobol_row",
+        name=output.output.name,
         title=title,
-        first=" ".join(first),
-        total=" ".join(total),
-    ) + (say(" (interacts)") if index.interacts else "")
+        first=_first(index),
+        total=_total(index),
+        interacts=index.interacts,
+    )
     gap = Bar(
         start=index.first,
         end=index.total,
@@ -598,15 +451,10 @@ def _sobol_row(
         height=2.0 * APART,
     )
     marks: list[Mark] = [gap]
-    for value, ends, lift, fill in (
-        (index.first, index.first_interval, -APART, INK),
-        (index.total, index.total_interval, APART, PAPER),
+    for value, ends, lift, fill, tip in (
+        (index.first, index.first_interval, -APART, INK, said.tip),
+        (index.total, index.total_interval, APART, PAPER, ""),
     ):
-        tip = (
-            say("{name}: {said}", name=key_title(output.output.name), said=said)
-            if fill == INK
-            else ""
-        )
         marks += [
             Stroke(start=0.0, end=value, colour=colour, width=2.0, lift=lift),
             Stroke(start=ends[0], end=ends[1], colour=INK, width=0.9, lift=lift),
@@ -615,16 +463,10 @@ def _sobol_row(
     return Row(
         label=title,
         marks=tuple(marks),
-        beside=(say("{first}, {total}", first=first[0], total=total[0]),),
+        beside=(said.beside,),
         strong=_can_be_seen(index),
-        said=said,
+        said=said.said,
     )
-
-
-def _rank(output: OutputBudget, index: SobolIndex) -> str:
-    """Print a rank; sources that cannot be told apart share it: '2='."""
-    ranks = [part.sobol.rank for part in output.contributions if part.sobol]
-    return f"{index.rank}{'=' if ranks.count(index.rank) > 1 else ''}"
 
 
 def _can_be_seen(index: SobolIndex) -> bool:
