@@ -35,7 +35,7 @@ from budget.methods.radius import radius_of
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
@@ -66,6 +66,18 @@ class ScaledLaw:
     # there is no length.
     ellipse: tuple[ScaledLaw, ...] = ()
     is_length: NDArray[np.bool_] | None = None  # shape (n_out,); None: no output is
+
+    def in_units(self, sizes: ArrayLike) -> ScaledLaw:
+        """Return it in other units of the outputs, of these sizes [SI]."""
+        unit = np.asarray(sizes)[:, None]
+        return replace(
+            self,
+            value=self.value / unit[:, 0],
+            shift=self.shift / unit,
+            first=self.first / unit**2,
+            second=self.second / unit[:, None] ** 2,
+            ellipse=tuple(one.in_units(sizes) for one in self.ellipse),
+        )
 
     def mean(self, s: Array) -> Array:
         """Return m(s), shape (n_out,), for factors s, shape (n_src,)."""

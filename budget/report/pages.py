@@ -235,13 +235,6 @@ def _printed(page: str, view: Mapping[str, object], macro: str) -> str:
     return str(getattr(module_of(template, spoken()), macro)(**view))
 
 
-def _plain(text: str) -> str:
-    """Return printed words as plain text; Markdown is read where there is any."""
-    if _READ.search(text) is None:
-        return shown(" ".join(re.split("[ \n]+", text.strip(" \n"))))
-    return " ".join(map(_text, _nodes(text)))
-
-
 def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
     """Read the Markdown of a page; a value in a formula is a part of it."""
     from markdown_it.tree import SyntaxTreeNode

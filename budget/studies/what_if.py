@@ -26,8 +26,9 @@ same sources. k of a length goes with its ellipse, and so with the factors.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,7 +37,7 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs.use import STATED
 from budget.language import axis_title, key_title, say
-from budget.methods.scaling import scaled_law
+from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.results import BY_LAW
@@ -63,7 +64,6 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine
     from budget.methods.gum import Propagation
-    from budget.methods.scaling import ScaledLaw
     from budget.problem import Output
     from budget.results import Assessment, Budget
     from budget.studies.request import Analysis
@@ -75,6 +75,19 @@ if TYPE_CHECKING:
 JOINTLY = (1.0, 1e300)
 
 
+@written(
+    "what_if_source",
+    """
+    name
+    owner = name.owner
+    quantity = name.quantity
+    title (str): in words
+    u / unit: present standard uncertainty
+    unit
+    printed: as the file gives it
+    """,
+    title=lambda source: key_title(source.name),
+)
 @dataclass(frozen=True, kw_only=True)
 class WhatIfSource:
     """A source whose size can be changed; one factor for all its axes."""
@@ -86,6 +99,25 @@ class WhatIfSource:
     printed: str  # the value as the file gives it
 
 
+@written(
+    "what_if_sensor",
+    """
+    name
+    title (str): in words
+    missing (list[str]): what a verdict cannot do without, in words
+    doubt [1]: interval of the utilisation, over it
+    verdict: at factors of 1
+    is_open: whether what is missing is not bounded
+    conditions (list[str]): of a 'meets', in words
+    saturates: whether a mission asks for more than it reads
+    """,
+    title=lambda sensor: key_title(sensor.name),
+    missing=lambda sensor: [
+        key_title(one.quantity if one.owner == sensor.name else one)
+        for one in sensor.missing
+    ],
+    conditions=lambda sensor: [say(text) for text in sensor.conditions],
+)
 @dataclass(frozen=True, kw_only=True)
 class WhatIfSensor:
     """A triad that is there, and what a verdict on it cannot do without."""
@@ -125,8 +157,85 @@ class Outlook:
     sensors: tuple[SensorOutlook, ...]  # of the sensors of which something is required
 
 
+@written(
+    "what_if_output",
+    """
+    name = output.name
+    sensor = output.name.owner
+    title (str): in words
+    group (str): what several axes are of, in words
+    axis: with the coverage where it is another than that of the budget
+    is_timed: whether it is of a mission
+    unit = output.unit
+    value / unit: of the calibration
+    coverage [1]: of its interval
+    length: its place among lengths; null of what is none
+    factor [1]: k, of a length on the radius of the circle of its coverage
+    shift [1]: d
+    limit / unit: null where there is none
+    lower_bound: whether a line that is not given would widen it
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    added / unit / unit: V and, of lengths, D/2 and W of missing lines at their ceilings
+    """,
+    title=lambda one: key_title(one.output.name),
+    group=lambda one: key_title(one.output.name.group),
+    is_timed=lambda one: one.output.name.time is not None,
+)
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WhatIf:
+class WhatIfOutput:
+    """One output, as a page computes it."""
+
+    output: Output
+    axis: str
+    value: float  # [SI]
+    coverage: float  # [1]
+    length: int | None
+    factor: float  # [1]
+    shift: float  # [1]
+    limit: float | None  # [SI]
+    lower_bound: bool
+    added: Array  # shape (3,) [SI squared]
+
+
+# Of a law in printed units, by source, then by output.
+written(
+    "what_if_law",
+    """
+    first = first.T: A
+    second: Q
+    pairs as what_if_pair: P of two sources, where it reaches one output at least
+    """,
+    second=lambda law: np.einsum("kgg->gk", law.second),
+    pairs=lambda law: [
+        ((law.sources[g], law.sources[h]), 2.0 * law.second[:, g, h])
+        for g, h in combinations(range(len(law.sources)), 2)
+        if law.second[:, g, h].any()
+    ],
+)(ScaledLaw)
+written(
+    "what_if_pair",
+    """
+    sources = 0
+    variance = 1
+    """,
+)(tuple)
+
+
+@written(
+    "what_if",
+    """
+    coverage [1]: of the intervals
+    sensors
+    sources
+    outputs = each
+    mean = law_in_units.shift.T: m, by source, then by output
+    *law_in_units as what_if_law
+    ellipse = law_in_units.ellipse as what_if_law: D/2 and W in the place of the
+      variance, of lengths alone
+    """,
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WhatIf(Documented):
     """A budget as a function of the sizes of its sources."""
 
     coverage: float  # probability of the intervals [1]
@@ -196,82 +305,39 @@ class WhatIf:
             for k, limit in enumerate(self.limit)
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what a page computes from, as JSON, in printed units.
+    @property
+    def law_in_units(self) -> ScaledLaw:
+        """The law in printed units, its ellipse of lengths alone."""
+        law = self.law.in_units([one.si_per_unit for one in self.outputs])
+        names = [law.outputs[k] for k in self.lengths]
+        return replace(law, ellipse=tuple(one.select(names) for one in law.ellipse))
 
-        Titles are in the language of the context, names are names.
-        `mean`, `first` and `second` are m, A and Q by source, then by output; `pairs`
-        has P of two sources, where it reaches one output at least. `ellipse` has the
-        same of D/2 and W (budget.methods.scaling) in the place of the variance, of
-        lengths alone: an output's `length` is its place there, and its `factor` is on
-        the radius of the circle of its `coverage`.
-        """
-        unit = np.array([output.si_per_unit for output in self.outputs])
-        law = self.law
-        lengths = (
-            [] if law.is_length is None else np.flatnonzero(law.is_length).tolist()
-        )
+    @property
+    def each(self) -> tuple[WhatIfOutput, ...]:
+        """The outputs one by one."""
         along = normal_coverage_factor(self.coverages)
-        return {
-            "coverage": self.coverage,
-            "sensors": [
-                {
-                    "name": sensor.name,
-                    "title": key_title(sensor.name),
-                    "missing": [
-                        key_title(name.quantity if name.owner == sensor.name else name)
-                        for name in sensor.missing
-                    ],
-                    "doubt": list(sensor.doubt),
-                    "verdict": sensor.verdict,
-                    "is_open": sensor.is_open,
-                    "conditions": [say(text) for text in sensor.conditions],
-                    "saturates": sensor.saturates,
-                }
-                for sensor in self.sensors
-            ],
-            "sources": [
-                {
-                    "name": source.name,
-                    "owner": source.name.owner,
-                    "quantity": source.name.quantity,
-                    "title": key_title(source.name),
-                    "u": source.u / source.si_per_unit,
-                    "unit": source.unit,
-                    "printed": source.printed,
-                }
-                for source in self.sources
-            ],
-            "outputs": [
-                {
-                    "name": output.name,
-                    "sensor": output.name.owner,
-                    "title": key_title(output.name),
-                    "group": key_title(output.name.group),
-                    "axis": self._axis(k),
-                    "is_timed": output.name.time is not None,
-                    "unit": output.unit,
-                    "value": float(law.value[k] / unit[k]),
-                    "coverage": float(self.coverages[k]),
-                    "length": lengths.index(k) if k in lengths else None,
-                    "factor": float(
-                        self.coverage_factor[k] / (along[k] if k in lengths else 1.0)
-                    ),
-                    "shift": float(self.shift[k]),
-                    "limit": _in_unit(self.limit[k], output),
-                    "lower_bound": self.lower_bound[k],
-                    "resolution": output.resolution / output.si_per_unit,
-                    "added": (self.added[:, k] / unit[k] ** 2).tolist(),
-                }
-                for k, output in enumerate(self.outputs)
-            ],
-            "mean": (law.shift / unit[:, None]).T.tolist(),
-            **_sums(law, unit),
-            "ellipse": [
-                _sums(one.select([law.outputs[k] for k in lengths]), unit[lengths])
-                for one in law.ellipse
-            ],
-        }
+        along[[k for k in range(along.size) if k not in self.lengths]] = 1.0
+        return tuple(
+            WhatIfOutput(
+                output=output,
+                axis=self._axis(k),
+                value=self.law.value[k],
+                coverage=self.coverages[k],
+                length=self.lengths.index(k) if k in self.lengths else None,
+                factor=self.coverage_factor[k] / along[k],
+                shift=self.shift[k],
+                limit=self.limit[k],
+                lower_bound=self.lower_bound[k],
+                added=self.added[:, k],
+            )
+            for k, output in enumerate(self.outputs)
+        )
+
+    @property
+    def lengths(self) -> list[int]:
+        """Places of the outputs that are lengths."""
+        is_length = self.law.is_length
+        return [] if is_length is None else np.flatnonzero(is_length).tolist()
 
     def _axis(self, k: int) -> str:
         """Name an output among its like; with the coverage of its own that it has."""
@@ -545,25 +611,6 @@ def _shape(
     return factor, shift
 
 
-def _sums(law: ScaledLaw, unit: Array) -> dict[str, Any]:
-    """Return A, Q and P of a law as JSON, in squared units, shape (n_out,)."""
-    products = 2.0 * law.second / unit[:, None, None] ** 2  # P_gh and P_hg are one
-    n = len(law.sources)
-    return {
-        "first": (law.first / unit[:, None] ** 2).T.tolist(),
-        "second": (np.einsum("kgg->gk", law.second) / unit**2).tolist(),
-        "pairs": [
-            {
-                "sources": [law.sources[g], law.sources[h]],
-                "variance": products[:, g, h].tolist(),
-            }
-            for g in range(n)
-            for h in range(g + 1, n)
-            if products[:, g, h].any()
-        ],
-    }
-
-
 def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
     """Return the interval of each sensor's utilisation, over the utilisation [1].
 
@@ -591,11 +638,6 @@ def _source(name: Name, line: ErrorLine) -> WhatIfSource:
         si_per_unit=line.si_per_unit,
         printed=line.printed,
     )
-
-
-def _in_unit(value: float | None, output: Output) -> float | None:
-    """Return a number in the unit of an output [that unit]."""
-    return None if value is None else value / output.si_per_unit
 
 
 FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]
