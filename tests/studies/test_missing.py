@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from document_text import on_terminal
+from document_text import on_terminal, section
+from document_text import rows as rows_of
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
@@ -20,7 +21,6 @@ from budget.names import Name
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
 from budget.report.comparison.tables import rankings
-from budget.report.comparison.wording import missing_effects
 from budget.studies.ceilings import ceilings
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.ranking import rank
@@ -331,6 +331,7 @@ def test_what_names_no_technology_is_told_so():
         (load_device("stim210"), "no device of the catalogue"),
     ):
         found = compared(device, missing="worst")
-        (effect,) = [one.effect for one in missing_effects(found)]
+        page = comparison_document(found, date="2026-01-01")
+        ((*_, effect),) = rows_of(section(page, "missing"))
         assert reason in effect
         assert "nothing is known" in effect

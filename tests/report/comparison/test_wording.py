@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
 from comparison_examples import compared, paper_device, requirement
 from document_text import find, lines, on_terminal, rows, section
 from saying import assert_says
 
-from budget.report.blocks import Listing, Picture, Table
+from budget.language import speaking
+from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_json
 from budget.report.comparison.figures import margin_title
 from budget.report.comparison.page import (
@@ -20,13 +21,19 @@ from budget.report.comparison.page import (
     comparison_sections,
 )
 from budget.report.comparison.tables import rankings
-from budget.report.comparison.wording import computed_apart, unknown_cap_lines
+from budget.studies.comparison.records import Entrant
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
 BOTH = ("gyro", "accelerometer")
 DATE = "2026-01-01"
 CAPS = (("price", "100 EUR"), ("mass", "2 kg"), ("power", "9 W"))
+
+
+def computed_apart(found):
+    """Return what a report says of how a comparison in it was computed."""
+    first, *_ = comparison_sections(found)
+    return next(text for text in lines(first) if text.startswith("Computed"))
 
 
 def rendered(found, width=100):
@@ -48,7 +55,8 @@ def capped():
 
 def test_unknown_amounts_are_no_kept_caps(capped):
     """A cap says for which devices nobody knows; one that all keep says nothing."""
-    price, mass = unknown_cap_lines(capped)
+    found = lines(section(comparison_document(capped, date=DATE), "remarks"))
+    price, mass = (line for line in found if line.startswith("Cap on "))
     assert_says(price, "price, at most 100 EUR", "no device")
     assert_says(mass, "mass, at most 2 kg", "not known for silent, poet", "'light'")
 
@@ -80,10 +88,9 @@ def test_no_cap_is_exceeded_only_where_there_is_one(caps, said):
         [paper_device(times=0.5, power="1 W")], requirement(caps=caps), method="gum"
     )
     remarks = section(comparison_document(found, date=DATE), "remarks")
-    (listing,) = find(remarks, Listing)
+    (_, text) = lines(remarks)
 
-    assert not listing.items
-    assert said in listing.empty
+    assert said in text
 
 
 def test_limits_of_a_sensor_that_no_device_has_are_not_met():
@@ -241,6 +248,83 @@ def test_devices_that_lack_lines_are_marked():
         assert "*: expected lines are missing" in pictures[name].caption
     notes = {row[0].text: row[0].note for row in ranking.groups[0].rows}
     assert notes == {"bare": "lines missing", "whole": ""}
+
+
+def judged(found, verdict, **more):
+    """Return a comparison with one verdict on every device."""
+    devices = tuple(
+        replace(one, standing=replace(one.standing, verdict=verdict), **more)
+        for one in found.devices
+    )
+    return replace(found, devices=devices)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "headline", "said"),
+    [
+        ("meets", "MET", "has a device that meets"),
+        ("meets_if", "MET ON CONDITIONS", "on conditions at least"),
+        ("undecided", "NOT MET", "no device that meets"),
+    ],
+)
+def test_the_answer_is_by_the_best_verdict(capped, verdict, headline, said):
+    """Of required sensors, of those that are judged alone, and in every language."""
+    found = judged(capped, verdict)
+    partly = replace(
+        found,
+        devices=tuple(one for one in found.devices if one.sensor == "gyro"),
+        not_compared=("imu", "mission"),
+    )
+
+    for one, of in ((found, ""), (partly, " for the gyro")):
+        page = comparison_document(one, date=DATE)
+        assert page.headline == f"{headline}{of}: test requirement"
+        assert_says(" ".join(page.summary), said)
+        with speaking("zh"):
+            page = comparison_document(one, date=DATE)
+        assert "test requirement" in page.headline
+        assert not re.search("MET|device|judged", page.headline + page.summary[0])
+    assert_says(" ".join(lines(comparison_sections(partly))), "both triads")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "said"),
+    [
+        ("meets", "A device meets"),
+        ("meets_if", "on conditions"),
+        ("fails", "No device meets"),
+    ],
+)
+def test_the_answer_on_a_mission_alone_names_no_sensor(capped, verdict, said):
+    """One of both sensors meets, does so on conditions, or none does."""
+    found = judged(replace(capped, mission="flight"), verdict, sensor="mission")
+    summary = " ".join(comparison_document(found, date=DATE).summary)
+
+    assert_says(summary, said, "on the mission", "flight")
+    assert "required sensor" not in summary
+
+
+def test_devices_of_which_nothing_is_known_are_named(capped):
+    """In the remarks and beside the ranking of the sensor; they are undecidable."""
+    (one, *_) = [device for device in capped.devices if device.sensor == "gyro"]
+    own = {field.name: getattr(one, field.name) for field in fields(Entrant)}
+    standing = replace(one.standing, verdict="undecidable")
+    bare = Entrant(**own | {"name": "bare", "standing": standing})
+    page = comparison_document(replace(capped, nothing_known=(bare,)), date=DATE)
+
+    for name in ("remarks", "devices-gyro-0"):
+        text = " ".join(lines(section(page, name)))
+        assert_says(text, "nothing is known of bare", "no error line of the gyro")
+    assert_says(section(page, "devices-gyro-0").title, "1 undecidable")
+
+
+def test_advice_is_given_once_for_all_that_it_is_for(capped):
+    """With the devices and their sensors."""
+    advice = "near the limit: use --method monte-carlo"
+    page = comparison_document(judged(capped, "meets", advice=advice), date=DATE)
+    (text,) = [one for one in lines(section(page, "remarks")) if "near the" in one]
+
+    assert_says(text, "heavy (gyro)", "poet (accelerometer)", "monte-carlo")
 
 
 def section_of(parts, name):
