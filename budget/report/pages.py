@@ -220,6 +220,7 @@ def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
     text = _FORMULA.sub(
         lambda one: _block(Math(source=shown(" ".join(one[1].split())))), text
     )
+    text = text.replace("****", "")  # bold words that others follow run on
     return SyntaxTreeNode(_reader().parse(text)).children
 
 
