@@ -239,7 +239,9 @@ def _nodes(text: str) -> Sequence[SyntaxTreeNode]:
     """Read the Markdown of a page; a value in a formula is a part of it."""
     from markdown_it.tree import SyntaxTreeNode
 
-    return SyntaxTreeNode(_reader().parse(_FORMULA.sub(_formula, text))).children
+    text = _FORMULA.sub(_formula, text)
+    text = text.replace("****", "")  # bold words that others follow run on
+    return SyntaxTreeNode(_reader().parse(text)).children
 
 
 def _formula(found: re.Match[str]) -> Marked:

@@ -205,7 +205,7 @@ def _further_inputs(budget: Budget, extras: Sequence[Extra]) -> tuple[InputFile,
     """Return the files that only the further studies depend on, named by them."""
     known = {(file.name, file.sha256) for file in budget.inputs}
     further = [
-        replace(file, role=line("report_words", "role", key=extra.key, role=file.role))
+        replace(file, role=line("words", "role", key=extra.key, role=file.role))
         for extra in extras
         for file in extra.inputs
         if (file.name, file.sha256) not in known

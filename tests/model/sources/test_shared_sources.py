@@ -127,7 +127,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
         "gyro bias",
         "accelerometer bias",
     }
-    assert own.printed == "0.2"
+    assert own.line.printed == "0.2"
     titles = [panel.title for panel in inputs_section((ZHAO,), procedure).blocks]
     assert f"{procedure.name}: station" in titles
 
