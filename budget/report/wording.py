@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import Note, say, term
 from budget.names import Name
-from budget.report.blocks import Cell, Run
+from budget.report.blocks import Cell
 from budget.report.pages import blocks, line, lines
 from budget.report.tables import print_share
 from budget.report.writing import VERDICTS, capital, listed
@@ -45,7 +45,6 @@ __all__ = [
     "share_cell",
     "standing_blocks",
     "standing_lines",
-    "value",
 ]
 
 METHODS = {
@@ -135,11 +134,6 @@ def parted(text: str) -> tuple[str, str]:
     _, _, said = say(text).partition(say(": "))
     whole = text.parts.get("key")
     return whole if isinstance(whole, Name) and whole == key else key, said or assumed
-
-
-def value(number: Number, unit: str = "") -> Run:
-    """Return a rounded number in a text, with its unit and its exact value."""
-    return Run(text=f"{number.text} {unit}".rstrip(), exact=number.exact)
 
 
 def cell(number: Number, *, strong: bool = False) -> Cell:
