@@ -783,7 +783,8 @@ class Filtered:
     title: names of the devices
     inputs by role as file: files that it depends on
     settings: what it depends on besides
-    mission = self if mission as mission_of_budget: of a mission
+    mission = self if mission as mission_of_budget: that it is of; in a report all that
+      `budget mission` says
     outputs
     quantities by source: the lines that contributions are of
     covariance = printed (list[list[float | None]]) [products of units]: of all outputs;
@@ -797,7 +798,7 @@ class Filtered:
     readings?: other readings of lines whose meaning is open, one by one
     matrices = self if matrices as matrices_of_triads: where they were asked for
     one_at_a_time? = None (tuple[SourceSteps, ...]): of a report
-    mission? = None (Budget): of a report, all that `budget mission` says
+    mission? = None (Budget)
     allocation? = None (Allocation): of a report with --allocate
     comparison? = None (Comparison): of a report with --compare
     """,

@@ -64,10 +64,11 @@ def keys() -> list[str]:
         rows += ["", f"## {name.replace('_', ' ')}", "", entry["description"]]
         if by := entry["properties"].get("command"):
             rows[-1] += f" Written by {' and '.join(f'`{one}`' for one in by['enum'])}."
-        rows += ["", "| key | is |", "|---|---|"]
+        rows += ["", "| key | is | what |", "|---|---|---|"]
         for key, part in entry["properties"].items():
             marked = f"`{key}`" if key in entry["required"] else f"*`{key}`*"
-            rows.append(f"| {marked} | {_type(part)} |")
+            said = part.get("description", "").replace("|", "\\|")
+            rows.append(f"| {marked} | {_type(part)} | {said} |")
     return [*rows, ""]
 
 

@@ -74,19 +74,20 @@ class Schema:
         """Describe a form once, return a reference to it."""
         if form.name not in self.entries:
             found = self.entries[form.name] = {}
-            parts: dict[str, list[Node]] = {}
-            required = set()
+            properties: Node = {}
+            required: dict[str, bool] = {}
             for row, hint, always in self.rows(form):
-                key, said = row["key"], said_of(row)
                 part = self.of(hint, row["form"])
-                part |= {"description": said} if said else {}
-                parts.setdefault(key, []).append(part)
-                required |= {key} if always else set()
+                known = properties.get(row["key"], part)
+                said = known.pop("description", "") or said_of(row)
+                one = _either([known, part]) | ({"description": said} if said else {})
+                properties[row["key"]] = one
+                required |= {row["key"]: True} if always else {}
             found |= {
                 "description": form.said,
                 "type": "object",
-                "properties": {key: _either(several) for key, several in parts.items()},
-                "required": [key for key in parts if key in required],
+                "properties": properties,
+                "required": [*required],
                 "additionalProperties": False,
             }
         return {"$ref": f"#/$defs/{form.name}"}

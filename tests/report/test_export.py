@@ -16,7 +16,8 @@ import yaml
 from numpy.testing import assert_allclose
 
 from budget import load_device
-from budget.report.export import export_csv, write_export
+from budget.report.document import table_csv
+from budget.report.export import write_export
 from budget.studies.export.study import export
 from budget.studies.export.template import print_double, targets
 
@@ -418,7 +419,7 @@ def test_random_numbers_are_read_back_to_the_bit():
 def test_the_table_has_a_row_for_each_axis():
     """CSV: key, axis, value and unit as in the file; a key of one value has no axis."""
     found, _ = exported("kf-gins")
-    head, *rows = export_csv(found).splitlines()
+    head, *rows = table_csv("exported", found.rows).splitlines()
     assert head == "key,sensor,axis,value,unit,from"
     assert len(rows) == 8 * 3 + 1
     (time,) = (row for row in rows if row.startswith("corrtime"))
