@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import key_title, say
-from budget.report.blocks import Cell, Field, table_of
+from budget.language import key_title
 from budget.report.figures.rows import Bar, Chart, Group, Head, Panel, Row, Scale, Side
 from budget.report.figures.style import (
     BLUE,
@@ -24,16 +23,14 @@ from budget.report.figures.style import (
     look_of,
     text_width,
 )
+from budget.report.pages import line, table, texts
 from budget.report.tables import (
     PER_CENT,
     SMALL_SHARE,
-    UNKNOWN,
     print_coverage,
     print_decimals,
-    print_utilisation,
     round_value,
 )
-from budget.report.wording import capital
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -43,6 +40,7 @@ if TYPE_CHECKING:
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Assessment, Budget
 
+PAGE = "figures_contributions"
 MOST_ROWS = 7  # sources that have a row of their own
 PITCH = 14.0  # from row to row [pt]
 AIR = 1.06  # reach of an axis over the longest bar [1]
@@ -113,70 +111,47 @@ def tornado_chart(critical: Critical) -> Chart | None:
     None without spread. The budget table has the numbers.
     """
     group, place = critical.group, critical.place
-
-    def linear(source: SourceRow) -> Number:
-        part = source.cells[place]
-        return part.linear or part.u  # products of two sources have no c
-
-    sources = [one for one in critical.sources if linear(one).exact > 0.0]
-    sources.sort(key=lambda one: -settle(linear(one).exact))
-    if not sources:
+    parts = [(one, one.cells[place]) for one in critical.sources]
+    # Products of two sources have no c.
+    moves = [(source, part.linear or part.u) for source, part in parts]
+    moves = [pair for pair in moves if pair[1].exact > 0.0]
+    moves.sort(key=lambda pair: -settle(pair[1].exact))
+    if not moves:
         return None
-    rows = []
-    for source in sources:
-        moved = linear(source)
-        u = moved.exact
-        colour, hatch, _ = look_of(source.source)
-        said = f"\N{PLUS-MINUS SIGN}{moved.text} {group.unit}"
-        tip = say(
-            "{source} moves the {critical} by {said}",
-            source=source.title,
-            critical=critical.title,
-            said=said,
-        )
-        bar = Bar(start=-u, end=u, colour=colour, hatch=hatch, height=11.0, tip=tip)
-        share = source.cells[place].share.text
-        rows.append(
-            Row(
-                label=source.title,
-                marks=(bar,),
-                beside=(f"\N{PLUS-MINUS SIGN}{moved.text}", share),
-                said=say(
-                    "{source} {said} ({share} of the variance)",
-                    source=source.title,
-                    said=said,
-                    share=share,
-                ),
-            )
-        )
-    most = AIR * linear(sources[0]).exact
-    first = sources[0]
+    source, moved = moves[0]
+    said = texts(PAGE, "tornado", critical=critical, source=source, moved=moved)
+    most = AIR * moved.exact
     return Chart(
         name=f"tornado-{group.sensor}-{group.parameter}",
-        title=(
-            say(
-                "{critical}: {first} ±{u} {unit}",
-                critical=capital(critical.title),
-                first=first.title,
-                u=linear(first).text,
-                unit=group.unit,
-            )
-        ),
+        title=said.title,
         sides=_one_side(
-            Scale(
-                low=-most,
-                high=most,
-                lines=((0.0, ""),),
-                label=say("error for ±u of one source [{unit}]", unit=group.unit),
-            ),
-            rows,
+            Scale(low=-most, high=most, lines=((0.0, ""),), label=said.label),
+            [_moved_row(critical, *pair) for pair in moves],
         ),
-        lead=say(
-            "Error of the {critical} for one u of each source: ",
-            critical=critical.title,
-        ),
-        beside=("c u(x)", say("share")),
+        lead=said.lead,
+        beside=("c u(x)", said.share),
         pitch=PITCH,
+    )
+
+
+def _moved_row(critical: Critical, source: SourceRow, moved: Number) -> Row:
+    """Return what one source moves the output by, to both sides."""
+    said = texts(PAGE, "tornado_row", critical=critical, source=source, moved=moved)
+    colour, hatch, _ = look_of(source.source)
+    bar = Bar(
+        start=-moved.exact,
+        end=moved.exact,
+        colour=colour,
+        hatch=hatch,
+        height=11.0,
+        tip=said.tip,
+    )
+    share = source.cells[critical.place].share.text
+    return Row(
+        label=source.title,
+        marks=(bar,),
+        beside=(f"\N{PLUS-MINUS SIGN}{moved.text}", share),
+        said=said.said,
     )
 
 
@@ -192,7 +167,7 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     if not sources or row.law_k is None:
         return None
     k, u = row.law_k, row.u.exact
-    coverage = print_coverage(group.coverage)
+    said = texts(PAGE, "waterfall", critical=critical)
     reached = 0.0
     rows = []
     squares: list[float] = []
@@ -204,66 +179,38 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     whole = row.expanded.exact
     if len(sources) < sum(not source.is_idle for source in group.sources):
         by_law = k * sqrt(fsum(one.cells[place].u.exact ** 2 for one in group.sources))
-        rows.append(_step(say("all others"), reached, by_law, u, (MUTED, "", "")))
+        rows.append(_step(said.others, reached, by_law, u, (MUTED, "", "")))
         reached = by_law
     if row.by:
         look = (MUTED, HATCH, "")
-        rows.append(_step(say("trials in place of the law"), reached, whole, u, look))
+        rows.append(_step(said.trials, reached, whole, u, look))
+    coverage = print_coverage(group.coverage)
     head = f"U{coverage}" if row.by else f"U{coverage} = k u"
     rows.append(_total(head, whole, row.expanded.text))
     mean = abs(row.low.exact + row.high.exact) / 2.0
     has_mean = float(round_value(mean, u)) != 0.0
     largest = max(abs(row.low.exact), abs(row.high.exact))
     if has_mean:
-        label = say("mean error")
-        if row.by and not row.is_centred:
-            label = say("middle of the interval")
-        rows.append(_step(label, whole, whole + mean, u, (GRID, HATCH, "")))
+        rows.append(_step(said.mean, whole, whole + mean, u, (GRID, HATCH, "")))
         text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
-        rows.append(_total(say("largest error"), largest, text.lstrip("-")))
+        rows.append(_total(said.largest, largest, text.lstrip("-")))
     limit = critical.limit
     most = max(largest, whole, limit.at if limit else 0.0)
     return Chart(
         name=f"steps-{group.sensor}-{group.parameter}",
-        title=_waterfall_title(critical, coverage),
+        title=said.title,
         sides=_one_side(
             Scale(
                 low=0.0,
                 high=AIR * most,
-                lines=((limit.at, say("limit {limit}", limit=limit.printed)),)
-                if limit
-                else (),
-                label=say(
-                    "U{coverage}, sources added one by one [{unit}]",
-                    coverage=coverage,
-                    unit=group.unit,
-                ),
+                lines=((limit.at, said.limit),) if limit else (),
+                label=said.label,
             ),
             rows,
         ),
-        lead=say(
-            "U{coverage} of the {critical} with each source added: ",
-            coverage=coverage,
-            critical=critical.title,
-        ),
+        lead=said.lead,
         pitch=PITCH,
     )
-
-
-def _waterfall_title(critical: Critical, coverage: str) -> str:
-    """State the finding: how large U is, and how much of the limit is used."""
-    row, unit = critical.row, critical.group.unit
-    whole = say(
-        "{critical}: U{coverage} {expanded} {unit}",
-        critical=capital(critical.title),
-        coverage=coverage,
-        expanded=row.expanded.text,
-        unit=unit,
-    )
-    if critical.limit is None or row.expanded.text == UNKNOWN:
-        return whole
-    used = print_utilisation(critical.limit.used)
-    return say("{whole}, {used} of the limit", whole=whole, used=used)
 
 
 def _step(
@@ -320,17 +267,34 @@ def correlation_chart(budget: Budget) -> Chart | None:
     if not places:
         return None
     r = _off_diagonal(budget)
+    first, second = np.unravel_index(first_largest(np.abs(r).ravel().tolist()), r.shape)
+    said = texts(
+        PAGE,
+        "correlation",
+        one=budget.outputs[first].output.name,
+        other=budget.outputs[second].output.name,
+        r=_per_cent(float(r[first, second])),
+    )
     names = [budget.outputs[k].output.name for k in places]
+    seen = [
+        (names[x], names[y], float(r[places[x], places[y]]))
+        for x in range(len(places))
+        for y in range(x)
+        if abs(r[places[x], places[y]]) >= SEEN
+    ]
     rows = [
         Row(
             label=f"{number}  {key_title(name)}",
             marks=tuple(
-                _cell(x, float(r[k, other]), names[number - 1], names[x])
+                _cell(x, float(r[k, other]), name, names[x])
                 for x, other in enumerate(places)
                 if abs(r[k, other]) >= SEEN
             ),
-            said=_said(
-                name, [(names[x], float(r[k, places[x]])) for x in range(number)]
+            said=line(
+                PAGE,
+                "correlation_row",
+                name=name,
+                pairs=[(other, _per_cent(x)) for one, other, x in seen if one == name],
             ),
         )
         for number, (k, name) in enumerate(zip(places, names, strict=True), start=1)
@@ -339,52 +303,15 @@ def correlation_chart(budget: Budget) -> Chart | None:
     width = WIDTH if left + CELL * len(places) <= WIDTH else WIDE
     return Chart(
         name="correlation",
-        title=_correlation_title(r, budget),
+        title=said.title,
         sides=_one_side(Scale(low=0.0, high=float(len(places)), ticks=()), rows),
-        lead=say("Correlation of outputs. "),
-        caption=(
-            say(
-                "Correlation coefficient in per cent; blue above 0, red below. "
-                "Empty below 1 %. Columns have the numbers of the rows."
-            )
-        ),
+        lead=said.lead,
+        caption=said.caption,
         heads=tuple(Head(at=x + 0.5, text=str(x + 1)) for x in range(len(places))),
         pitch=15.0,
         width=width,
         data_on_paper=False,
-        data=table_of(
-            [
-                (names[x], names[y], float(r[places[x], places[y]]))
-                for x in range(len(places))
-                for y in range(x)
-                if abs(r[places[x], places[y]]) >= SEEN
-            ],
-            (
-                Field(head=say("output"), cell=lambda one: key_title(one[0])),
-                Field(head=say("with"), cell=lambda one: key_title(one[1])),
-                Field(
-                    head=say("correlation [%]"),
-                    kind="number",
-                    cell=lambda one: Cell(text=_per_cent(one[2]), exact=one[2]),
-                ),
-            ),
-            name="correlation-data",
-            caption=say("Correlation coefficients of outputs"),
-        ),
-    )
-
-
-def _correlation_title(r: np.ndarray, budget: Budget) -> str:
-    """State the finding: the two outputs that go together most."""
-    size = np.abs(r)
-    first, second = np.unravel_index(first_largest(size.ravel().tolist()), r.shape)
-    names = (budget.outputs[k].output.name for k in (first, second))
-    one, other = map(key_title, names)
-    return say(
-        "{one} and {other} correlate most: {per_cent} %",
-        one=capital(one),
-        other=other,
-        per_cent=_per_cent(float(r[first, second])),
+        data=table(PAGE, "correlation_data", pairs=seen, per_cent=_per_cent),
     )
 
 
@@ -400,22 +327,7 @@ def _cell(x: int, r: float, one: Name, other: Name) -> Bar:
         height=13.0,
         text=_per_cent(r),
         text_colour=ON_DARK if opacity == 1.0 and r > 0.0 else INK,
-        tip=say(
-            "{one} with {other}: {per_cent} %",
-            one=key_title(one),
-            other=key_title(other),
-            per_cent=_per_cent(r),
-        ),
-    )
-
-
-def _said(name: Name, others: Sequence[tuple[Name, float]]) -> str:
-    """Say what one output is correlated with, of those before it."""
-    seen = [f"{key_title(o)} {_per_cent(r)} %" for o, r in others if abs(r) >= SEEN]
-    return (
-        say("{name} with {seen}", name=key_title(name), seen=say(", ").join(seen))
-        if seen
-        else ""
+        tip=line(PAGE, "correlation_cell", one=one, other=other, r=_per_cent(r)),
     )
 
 
