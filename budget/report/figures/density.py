@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import key_title, say
-from budget.report.blocks import Field, table_of
 from budget.report.figures.style import (
     BLUE,
     INK,
@@ -22,27 +21,25 @@ from budget.report.figures.style import (
     without_name,
     write,
 )
+from budget.report.pages import table, texts
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     Number,
     bound_number,
-    print_count,
     print_coverage,
     print_given,
-    print_share,
     round_error,
-    source_title,
 )
-from budget.report.wording import capital, cell
 
 if TYPE_CHECKING:
+    from types import SimpleNamespace
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from budget.report.blocks import Picture, Table
+    from budget.report.blocks import Picture
     from budget.studies.densities import Density
 
+PAGE = "figures_density"
 LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
 HEIGHT = 156.0  # [pt]
 STRIP = 0.3  # height of the intervals below the density, over its peak [1]
@@ -56,13 +53,23 @@ INSIDE, BEYOND = 0.28, 0.75  # opacities of the one hue, within the limits and n
 @house_style()
 def density_picture(density: Density, *, coverage: float) -> Picture:
     """Return the density of one output as a block, with its numbers as a table."""
+    said = _said(density, coverage)
+    name = kebab(f"density-{density.output.name}")
     return as_picture(
         density_step(density, coverage=coverage),
-        name=f"density-{density.output.name}",
-        title=density_title(density, coverage=coverage),
-        alt=density_alt(density, coverage=coverage),
-        caption=_caption(density),
-        data=_data(density, coverage=coverage),
+        name=name,
+        title=said.title,
+        alt=said.alt,
+        caption=said.caption,
+        data=table(
+            PAGE,
+            "data",
+            density=density,
+            name=f"{name}-data",
+            coverage=coverage,
+            limit=_limit(density),
+            marked=partial(_marked, density),
+        ),
         data_on_paper=False,
     )
 
@@ -71,8 +78,9 @@ def density_picture(density: Density, *, coverage: float) -> Picture:
 def density_step(density: Density, *, coverage: float) -> Figure:
     """Draw the density of trials, the normal law over it, intervals and limits."""
     figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
-    figure.set_label(density_title(density, coverage=coverage))
-    unit, scale = density.output.unit, density.output.si_per_unit
+    said = _said(density, coverage)
+    figure.set_label(said.title)
+    scale = density.output.si_per_unit
     low, high = _view(density)
     limits = _limits(density)
     axes.set_xlim(low / scale, high / scale)
@@ -103,95 +111,41 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     axes.plot([low / scale, high / scale], [0.0, 0.0], color=MUTED, linewidth=0.6)
     share = f"{print_coverage(coverage)} %"
     for y, ends, colour, text in (
-        (-0.09, density.interval, INK, say("law")),
-        (-0.21, density.interval_mc, BLUE, say("Monte Carlo")),
+        (-0.09, density.interval, INK, said.law),
+        (-0.21, density.interval_mc, BLUE, said.sampled),
     ):
         at = (ends[0] / scale, ends[1] / scale)
         _draw_interval(axes, y, at, colour, (share, text))
-    room = (text_width(say("limit")) + AIR) * (high - low)
+    room = (text_width(said.limit) + AIR) * (high - low)
     are_near = len(limits) > 1 and 2.0 * far * (WIDTH - LEFT - RIGHT) < room
     for limit in limits:
         side = "center"
         if are_near:
             side = "right" if limit < 0.0 else "left"
-        _draw_limit(axes, limit / scale, side=side)
+        _draw_limit(axes, limit / scale, said.limit, side=side)
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
     axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
-    axes.set_xlabel(
-        say(
-            "error of the {name} [{unit}]",
-            name=key_title(density.output.name),
-            unit=unit,
-        ),
-        fontsize=SMALL,
-        color=MUTED,
-    )
+    axes.set_xlabel(said.label, fontsize=SMALL, color=MUTED)
     return figure
 
 
 def density_title(density: Density, *, coverage: float) -> str:
     """State the finding: how often the limit is exceeded, or where the errors lie."""
-    more = say(", this or more: lines are missing") if density.lacks else ""
-    return f"{_finding(density, coverage=coverage)}{more}"
+    return str(_said(density, coverage).title)
 
 
-def _finding(density: Density, *, coverage: float) -> str:
-    """State it as if all lines were given."""
-    name = capital(key_title(density.output.name))
-    if density.limit is None:
-        low, high = (_round(density, end) for end in density.interval_mc)
-        return say(
-            "{name}: {coverage} % of the errors lie between {low} and {high} {unit}",
-            name=name,
-            coverage=print_coverage(coverage),
-            low=low,
-            high=high,
-            unit=density.output.unit,
-        )
-    beyond = part_beyond(density)
-    if beyond == 0.0:
-        return say(
-            "{name} exceeds its limit in none of {trials} trials",
-            name=name,
-            trials=print_count(density.trials),
-        )
-    return say(
-        "{name} exceeds its limit in {beyond} of the trials",
-        name=name,
-        beyond=print_share(beyond),
+def _said(density: Density, coverage: float) -> SimpleNamespace:
+    """Return what the figure says: title, alt, caption, and words in it."""
+    return texts(
+        PAGE,
+        "density",
+        density=density,
+        coverage=coverage,
+        beyond=part_beyond(density),
+        is_far=density.limit is not None and not _limits(density),
+        limit=_limit(density),
+        rounded=partial(_round, density),
     )
-
-
-def density_alt(density: Density, *, coverage: float) -> str:
-    """Say in words with numbers what the density shows."""
-    unit = density.output.unit
-    share = print_coverage(coverage)
-    law, trials = (
-        say(
-            "{low} to {high} {unit}",
-            low=_round(density, ends[0]),
-            high=_round(density, ends[1]),
-            unit=unit,
-        )
-        for ends in (density.interval, density.interval_mc)
-    )
-    text = say(
-        "{density_title}. Density of {trials} trials with the "
-        "normal law over it; {share} % interval by the law {law}, "
-        "by Monte Carlo {sampled}",
-        density_title=density_title(density, coverage=coverage),
-        trials=print_count(density.trials),
-        share=share,
-        law=law,
-        sampled=trials,
-    )
-    if density.limit is not None:
-        text += say(
-            "; limits at plus and minus {limit} {unit}",
-            limit=_limit(density),
-            unit=unit,
-        )
-    return say("{text}.", text=text)
 
 
 def part_beyond(density: Density) -> float:
@@ -215,12 +169,12 @@ def _draw_interval(
         write(axes, name, (end, y), (shift, 0.0), ha=side)
 
 
-def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
+def _draw_limit(axes: Axes, x: float, name: str, *, side: str) -> None:
     """Draw one limit as a line with its name above."""
     axes.plot(
         [x, x], [0.0, 1.04], color=INK, linewidth=1.0, linestyle=(0.0, (5.0, 2.0))
     )
-    write(axes, say("limit"), (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
+    write(axes, name, (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
 
 
 def _reach(density: Density) -> tuple[float, float]:
@@ -250,20 +204,6 @@ def _view(density: Density) -> tuple[float, float]:
     return min(ends) - air, max(ends) + air
 
 
-def _caption(density: Density) -> str:
-    """Say where the limits are if they are not drawn, and what is not given."""
-    text = ""
-    if density.limit is not None and not _limits(density):
-        both = f"\N{PLUS-MINUS SIGN}{_limit(density)} {density.output.unit}"
-        text += say(" The limits, {both}, are beyond the figure.", both=both)
-    if density.lacks:
-        titles = say(", ").join(map(source_title, density.lacks))
-        text += say(
-            " Not given, so that it is this wide or wider: {titles}.", titles=titles
-        )
-    return text.lstrip()
-
-
 def _marked(density: Density, value: float, sign: str) -> Number:
     """Round a value, and mark it where lines that are not given would move it."""
     number = round_error(value, density.u, density.output)
@@ -279,42 +219,3 @@ def _limit(density: Density) -> str:
     """Write the limit as it was given, in the unit of the output."""
     limit = 0.0 if density.limit is None else density.limit
     return print_given(limit / density.output.si_per_unit)
-
-
-def _data(density: Density, *, coverage: float) -> Table:
-    """Return what the figure shows in numbers."""
-    scale = density.output.si_per_unit
-    share = print_coverage(coverage)
-    named = [
-        (say("mean, by the law"), density.mean, ""),
-        (say("u, by the law"), density.u, AT_LEAST),
-        (
-            say("{share} % interval by the law, from", share=share),
-            density.interval[0],
-            AT_MOST,
-        ),
-        ("to", density.interval[1], AT_LEAST),
-        (
-            say("{share} % interval by Monte Carlo, from", share=share),
-            density.interval_mc[0],
-            AT_MOST,
-        ),
-        ("to", density.interval_mc[1], AT_LEAST),
-    ]
-    rows = [(name, _marked(density, x, sign)) for name, x, sign in named]
-    if density.limit is not None:
-        limit = Number(text=_limit(density), exact=density.limit / scale)
-        rows.append((say("limit on the absolute error"), limit))
-    return table_of(
-        rows,
-        (
-            Field(head="", cell=lambda row: row[0]),
-            Field(
-                head=say("error [{unit}]", unit=density.output.unit),
-                kind="number",
-                cell=lambda row: cell(row[1]),
-            ),
-        ),
-        name=kebab(f"density-{density.output.name}-data"),
-        caption=say("Distribution of the {name}", name=key_title(density.output.name)),
-    )
