@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from math import ceil, floor, log, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.language import say
 from budget.names import LENGTHS, SPANS, time_text
-from budget.report.blocks import Cell, Field, table_of
 from budget.report.figures.style import (
     INK,
     PAPER,
@@ -22,22 +19,25 @@ from budget.report.figures.style import (
     plane,
     write,
 )
-from budget.report.tables import full_title, length, print_share, round_uncertainty
+from budget.report.pages import line, table, texts
+from budget.report.tables import full_title, length
 from budget.results import CEP, R95
 from budget.ties import from_largest
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from types import SimpleNamespace
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
     from budget.names import Name
-    from budget.report.blocks import Picture, Table
+    from budget.report.blocks import Picture
     from budget.results import OutputAssessment
     from budget.studies.mission import Curve
 
+PAGE = "figures_growth"
 HEIGHT = 230.0  # [pt]
 SHOWN = 4  # sources with a line or an area of their own
 LEAST = 0.02  # of the variance at any time, to be one of them [1]
@@ -106,91 +106,76 @@ def growth_pictures(
 
 def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
     """Show CEP, R95, limits and the parts of the largest sources over time."""
-    end = growth.curve.times[-1]
-    title = say(
-        "Off by {cep} CEP after {time}",
-        cep=length(float(growth.cep[-1])),
-        time=time_text(end),
-    )
     lines = _lines(growth)
+    said = texts(
+        PAGE,
+        "growth",
+        curve=growth.curve,
+        cep=length(float(growth.cep[-1])),
+        first=_around(growth.curve.times[0]),
+        lines=lines.values(),
+        has_limits=bool(_horizontal(limits)),
+    )
     return as_picture(
-        _draw_growth(growth, limits, title),
+        _draw_growth(growth, limits, said),
         name="mission-growth",
-        title=title,
-        alt=say(
-            "{title}. From {first} to {time}: {lines}.",
-            title=title,
-            first=_around(growth.curve.times[0]),
-            time=time_text(end),
-            lines=say("; ").join(lines.values()),
-        ),
+        title=said.title,
+        alt=said.alt,
         tips=lines,
-        caption=say(
-            "Lines of sources: CEP times the root of their share of the variance, so "
-            "that their squares add up to that of CEP. Diamonds: limits, each to be "
-            "held at its own probability."
-            if _horizontal(limits)
-            else "Lines of sources: CEP times the root of their share of the variance, "
-            "so that their squares add up to that of CEP."
-        )
-        + (say(" Shaded: with aids.") if growth.curve.measured else ""),
-        data=_data(growth),
+        caption=said.caption,
+        data=table(
+            PAGE,
+            "data",
+            times=[_around(time) for time in growth.curve.times],
+            names=_names(growth),
+            cep=growth.cep.tolist(),
+            r95=growth.r95.tolist(),
+            shares=growth.shares.T.tolist(),
+        ),
         data_on_paper=False,
     )
 
 
 def shares_picture(growth: Growth) -> Picture:
     """Show the shares of the variance over time, one upon the other."""
-    leaders = growth.leaders
-    last = full_title(leaders[-1][0])
-    title = (
-        say("All the time {source} contributes most", source=last)
-        if len(leaders) == 1
-        else say(
-            "From {time} on {source} contributes most",
-            time=_around(leaders[-1][1]),
-            source=last,
-        )
-    )
-    parts = {
-        f"area-{k}": say(
-            "{name}: {first} of the variance at first, {last} at the end",
-            name=name,
-            first=print_share(float(shares[0])),
-            last=print_share(float(shares[-1])),
-        )
+    areas = {
+        f"area-{k}": line(PAGE, "area", name=name, shares=shares.tolist())
         for k, (name, shares) in enumerate(
             zip(_names(growth), growth.shares, strict=True)
         )
         if shares.any()
     }
+    leaders = growth.leaders
+    time = _around(leaders[-1][1])
+    said = texts(PAGE, "shares", leaders=leaders, time=time, areas=areas.values())
     return as_picture(
-        _draw_shares(growth, title),
+        _draw_shares(growth, said),
         name="mission-shares",
-        title=title,
-        alt=say("{title}. {parts}.", title=title, parts=say("; ").join(parts.values())),
-        tips=parts,
+        title=said.title,
+        alt=said.alt,
+        tips=areas,
     )
 
 
 def _names(growth: Growth) -> tuple[str, ...]:
     """Return the titles of the sources, and of all others together."""
-    return (*map(full_title, growth.sources), say("all others"))
+    return (*map(full_title, growth.sources), line(PAGE, "others"))
 
 
 def _lines(growth: Growth) -> dict[str, str]:
     """Say where each line begins and ends."""
     named = {
-        "line-r95": (say("R95"), growth.r95),
-        "line-cep": (say("CEP"), growth.cep),
+        "line-r95": ("R95", growth.r95),
+        "line-cep": ("CEP", growth.cep),
         **{
             f"line-{k}": (name, growth.cep * np.sqrt(growth.shares[k]))
             for k, name in enumerate(_names(growth)[:-1])
         },
     }
     return {
-        key: say(
-            "{name}: {low} to {high}",
+        key: line(
+            PAGE,
+            "line",
             name=name,
             low=length(float(values[0])),
             high=length(float(values[-1])),
@@ -219,14 +204,12 @@ def _horizontal(limits: Sequence[OutputAssessment]) -> list[OutputAssessment]:
 
 @house_style()
 def _draw_growth(
-    growth: Growth, limits: Sequence[OutputAssessment], title: str
+    growth: Growth, limits: Sequence[OutputAssessment], said: SimpleNamespace
 ) -> Figure:
     """Draw all lines on two logarithmic axes."""
     own = _horizontal(limits)
     largest = max(float(growth.r95.max()), *(row.limit for row in own), 0.0)
-    figure, axes = plane(
-        title, say("time since the mission began"), say("horizontal error"), HEIGHT
-    )
+    figure, axes = plane(said.title, said.across, said.up, HEIGHT)
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
     x = np.array(growth.curve.times)
     _across(axes, growth.curve)
@@ -266,14 +249,9 @@ def _draw_growth(
 
 
 @house_style()
-def _draw_shares(growth: Growth, title: str) -> Figure:
+def _draw_shares(growth: Growth, said: SimpleNamespace) -> Figure:
     """Draw areas one upon the other, the largest source at the bottom."""
-    figure, axes = plane(
-        title,
-        say("time since the mission began"),
-        say("share of the variance [%]"),
-        HEIGHT,
-    )
+    figure, axes = plane(said.title, said.across, said.up, HEIGHT)
     figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
     x = np.array(growth.curve.times)
     _across(axes, growth.curve)
@@ -424,39 +402,4 @@ def _on_paper(
         ha=ha,
         va="center",
         bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
-    )
-
-
-def _data(growth: Growth) -> Table:
-    """Return the numbers behind both figures."""
-    names = _names(growth)
-    rows = range(len(growth.curve.times))
-
-    def size(values: Array, place: int) -> Cell:
-        value = float(values[place])
-        return Cell(text=round_uncertainty(value), exact=value)
-
-    def share(k: int, place: int) -> Cell:
-        value = float(growth.shares[k][place])
-        return Cell(text=print_share(max(value, 0.0)).removesuffix(" %"), exact=value)
-
-    return table_of(
-        rows,
-        (
-            Field(
-                head=say("after"), cell=lambda place: _around(growth.curve.times[place])
-            ),
-            Field(head="CEP [m]", kind="number", cell=partial(size, growth.cep)),
-            Field(head="R95 [m]", kind="number", cell=partial(size, growth.r95)),
-            *(
-                Field(
-                    head=say("{name} [%]", name=name),
-                    kind="number",
-                    cell=partial(share, k),
-                )
-                for k, name in enumerate(names)
-            ),
-        ),
-        name="mission-growth-data",
-        caption=say("Horizontal error over time and shares of its variance"),
     )
