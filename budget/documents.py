@@ -30,15 +30,15 @@ A row that begins with `*` has the keys of what is there, null where that is Non
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial, reduce
 from math import isinf
+from operator import attrgetter, itemgetter
 from textwrap import dedent
 from typing import Any, TypeVar
 
 T = TypeVar("T")
-Row = re.Match[str]
 Read = Callable[[Any], Any]
 SCHEMA = "budget/1"
 UNIT = "unit"
@@ -62,6 +62,53 @@ MADE: Mapping[str, Read] = {
     "list[str]": lambda found: [str(one) for one in found],
     "dict[str, str]": dict,
 }
+ATOMS = (str, float, int)
+
+
+class Row:
+    """What a form says of one key, ready to write it."""
+
+    def __init__(self, said: re.Match[str], reads: Mapping[str, Read]) -> None:
+        self.said = said
+        self.key, self.form = said["key"], said["form"]
+        self.is_maybe, self.is_spliced = bool(said["maybe"]), bool(said["spliced"])
+        self.path = said["path"] or self.key
+        self.get = _reader(self.path, reads)
+        self.given = _reader(said["given"], reads) if said["given"] else None
+        steps = said["sizes"].split()
+        self.sizes = [
+            (sign, None if path == UNIT else _reader(path, reads))
+            for sign, path in zip(steps[::2], steps[1::2], strict=True)
+        ]
+        made = [
+            said["by"] and partial(_by, key=said["by"]),
+            said["null"] and _unless_null,
+            MADE.get(said["type"] or ""),
+        ]
+        self.made = [one for one in made if one]
+
+    def put(self, found: dict[str, Any], record: Any, size: float) -> None:  # noqa: ANN401 - any record
+        """Put what stands under the key into a document, of an iterator another."""
+        if self.given and bool(self.given(record)) != (self.said["when"] == "if"):
+            return
+        value = self.get(record)
+        if self.is_maybe and _is_nothing(value):
+            return
+        if self.is_spliced:
+            form_of(value, self.form).put(found, value, size)
+            return
+        for sign, read in self.sizes if value is not None else ():
+            value = _times(value, sign, size if read is None else read(record))
+        for make in self.made if value is not None else ():
+            value = make(value)
+        is_atom = value is None or isinstance(value, ATOMS)
+        found[self.key] = value if is_atom else _plain(value, self.form, size)
+
+    @property
+    def meaning(self) -> str:
+        """What it says of the key in words, with its unit."""
+        unit = self.said["unit"] or (UNIT if f"/ {UNIT}" in self.said["sizes"] else "")
+        return " ".join(filter(None, (self.said["meaning"], unit and f"[{unit}]")))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +157,7 @@ class Form:
         if None in found:
             line = lines[found.index(None)]
             raise ValueError(f"form {self.name}: found {line!r}, expected a row")
-        return tuple(filter(None, found))
+        return tuple(Row(one, self.reads) for one in found if one is not None)
 
     @cached_property
     def columns(self) -> dict[str, list[str]]:
@@ -120,60 +167,23 @@ class Form:
         """
         found: dict[str, list[str]] = {}
         for row in self.rows:
-            key = row["key"]
-            inside = FORMS[row["form"]].columns if row["form"] else {"value": []}
-            above = [] if row["spliced"] else [key]
-            if not row["aside"]:
+            inside = FORMS[row.form].columns if row.form else {"value": []}
+            above = [] if row.is_spliced else [row.key]
+            if not row.said["aside"]:
                 found |= {
-                    key if head == "value" else head: [*above, *below]
+                    row.key if head == "value" else head: [*above, *below]
                     for head, below in inside.items()
                 }
         return found
 
-    def read(self, record: Any, path: str) -> Any:  # noqa: ANN401 - any record
-        """Return what is at a path of a record."""
-        if path.startswith("'"):
-            return path[1:-1]
-        first, *rest = path.split(".")
-        read = self.reads.get(first) or READS.get(first)
-        value = read(record) if read else step_into(record, first)
-        for step in rest:
-            value = step_into(value, step)
-        return value
+    def put(self, found: dict[str, Any], record: Any, size: float = 1.0) -> None:  # noqa: ANN401 - as above
+        """Put the keys of a record into a document.
 
-    def entries(self, record: Any, size: float = 1.0) -> Iterator[tuple[str, Any]]:  # noqa: ANN401 - as above
-        """Yield the keys of a record with what stands there; of an iterator another.
-
-        `size` is that of the unit of what the record is part of.
+        `size` is that of the unit of what it is part of.
         """
         size = getattr(getattr(record, "output", record), "si_per_unit", size)
         for row in self.rows:
-            if row["when"]:
-                given = bool(self.read(record, row["given"]))
-                if given != (row["when"] == "if"):
-                    continue
-            value = self.read(record, row["path"] or row["key"])
-            if row["maybe"] and _is_nothing(value):
-                continue
-            if row["spliced"]:
-                yield from form_of(value, row["form"]).entries(value, size)
-            else:
-                yield row["key"], self._written(record, row, value, size)
-
-    def _written(self, record: Any, row: Row, value: Any, size: float) -> Any:  # noqa: ANN401 - as above
-        """Return what documents have in the place of a value."""
-        if value is None:
-            return None
-        steps = row["sizes"].split()
-        for sign, path in zip(steps[::2], steps[1::2], strict=True):
-            by = size if path == UNIT else self.read(record, path)
-            value = _times(value, sign, by)
-        if row["by"]:
-            value = {getattr(one, row["by"]): one for one in value}
-        if row["null"] and (value == "" or (isinstance(value, float) and isinf(value))):
-            return None
-        make = MADE.get(row["type"] or "")
-        return _plain(make(value) if make else value, row["form"], size)
+            row.put(found, record, size)
 
 
 FORMS: dict[str, Form] = {}  # by their names
@@ -208,12 +218,13 @@ def form_of(record: object, name: str | None = None) -> Form:
     return FORMS[name] if name else BY_TYPE[type(record)]
 
 
-def document(record: object, name: str = "", *, size: float = 1.0) -> dict[str, Any]:
+def document(
+    record: object, name: str | None = None, *, size: float = 1.0
+) -> dict[str, Any]:
     """Return what documents say of a record, in printed units."""
-    return {
-        key: list(value) if isinstance(value, Iterator) else value
-        for key, value in form_of(record, name).entries(record, size)
-    }
+    found: dict[str, Any] = {}
+    form_of(record, name).put(found, record, size)
+    return found
 
 
 class Documented:
@@ -223,10 +234,26 @@ class Documented:
 
     def to_dict(self) -> dict[str, Any]:
         """Return what documents say of it, in printed units."""
-        return document(self)
+        return {
+            key: list(value) if isinstance(value, Iterator) else value
+            for key, value in document(self).items()
+        }
 
 
-def step_into(value: Any, step: str) -> Any:  # noqa: ANN401 - any record
+def _reader(path: str, reads: Mapping[str, Read]) -> Read:
+    """Return what reads a path of a record."""
+    if path.startswith("'"):
+        return lambda _: path[1:-1]
+    first, *rest = path.split(".")
+    begin = reads.get(first) or READS.get(first)
+    if begin is None:
+        begin = itemgetter(int(first)) if first.isdecimal() else attrgetter(first)
+    if not rest:
+        return begin
+    return lambda record: reduce(_step, rest, begin(record))
+
+
+def _step(value: Any, step: str) -> Any:  # noqa: ANN401 - any record
     """Return what is one step of a path further."""
     if value is None:
         return None
@@ -239,12 +266,6 @@ def step_into(value: Any, step: str) -> Any:  # noqa: ANN401 - any record
     return value[int(step)] if int(step) < len(value) else None
 
 
-def said_of(row: Row) -> str:
-    """Return what a row says of its key in words, with its unit."""
-    unit = row["unit"] or (UNIT if f"/ {UNIT}" in row["sizes"] else "")
-    return " ".join(filter(None, (row["meaning"], unit and f"[{unit}]")))
-
-
 def _is_nothing(value: Any) -> bool:  # noqa: ANN401 - as above
     """Say whether there is no value, or nothing in it."""
     return value is None or (hasattr(value, "__len__") and len(value) == 0)
@@ -252,13 +273,26 @@ def _is_nothing(value: Any) -> bool:  # noqa: ANN401 - as above
 
 def _times(value: Any, sign: str, size: Any) -> Any:  # noqa: ANN401 - as above
     """Return a number, or several, over or times a size."""
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return [_times(one, sign, size) for one in value]
     return value * size if sign == "*" else value / size
 
 
+def _by(found: Iterable[Any], key: str) -> dict[str, Any]:
+    """Return records by what they have there."""
+    return {getattr(one, key): one for one in found}
+
+
+def _unless_null(value: Any) -> Any:  # noqa: ANN401 - as above
+    """Return None of an empty text and of what is infinite."""
+    is_none = value == "" or (isinstance(value, float) and isinf(value))
+    return None if is_none else value
+
+
 def _plain(value: Any, name: str | None, size: float) -> Any:  # noqa: ANN401 - as above
     """Return a value as JSON has it: lists of tuples and arrays, objects of records."""
+    if isinstance(value, ATOMS):
+        return value
     if isinstance(value, Mapping):
         return {key: _plain(one, name, size) for key, one in value.items()}
     if isinstance(value, tuple | list | Iterator):
@@ -268,5 +302,5 @@ def _plain(value: Any, name: str | None, size: float) -> Any:  # noqa: ANN401 - 
         )
         return found if isinstance(value, Iterator) else list(found)
     if name or type(value) in BY_TYPE:
-        return document(value, name or "", size=size)
+        return document(value, name, size=size)
     return value.tolist() if hasattr(value, "tolist") else value

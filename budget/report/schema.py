@@ -12,7 +12,7 @@ from importlib import import_module
 from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row, said_of
+from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row
 from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
@@ -77,12 +77,12 @@ class Schema:
             properties: Node = {}
             required: dict[str, bool] = {}
             for row, hint, always in self.rows(form):
-                part = self.of(hint, row["form"])
-                known = properties.get(row["key"], part)
-                said = known.pop("description", "") or said_of(row)
+                part = self.of(hint, row.form)
+                known = properties.get(row.key, part)
+                said = known.pop("description", "") or row.meaning
                 one = _either([known, part]) | ({"description": said} if said else {})
-                properties[row["key"]] = one
-                required |= {row["key"]: True} if always else {}
+                properties[row.key] = one
+                required |= {row.key: True} if always else {}
             found |= {
                 "description": form.said,
                 "type": "object",
@@ -95,11 +95,11 @@ class Schema:
     def rows(self, form: Form) -> abc.Iterator[tuple[Row, Any, bool]]:
         """Yield the rows of keys, each with its type and whether it is always there."""
         for row in form.rows:
-            always = not (row["maybe"] or row["when"])
+            always = not (row.is_maybe or row.said["when"])
             hint = self.hint(form, row)
-            if row["spliced"]:
+            if row.is_spliced:
                 lacks = _is_optional(hint)
-                for one, own, is_there in self.rows(FORMS[row["form"]]):
+                for one, own, is_there in self.rows(FORMS[row.form]):
                     yield one, _or_none(own, if_so=lacks), is_there and always
             else:
                 yield row, hint, always
@@ -124,19 +124,18 @@ class Schema:
 
     def hint(self, form: Form, row: Row) -> Any:  # noqa: ANN401 - as above
         """Return the type of what stands under a key, before it is JSON."""
-        path = row["path"] or row["key"]
-        if row["type"]:
-            found = self.read(row["type"], form.record)
-        elif path.startswith("'"):
-            found = Literal[path[1:-1]]
-        elif row["form"] and (form.record is tuple or path.split(".")[0] in form.reads):
-            found = FORMS[row["form"]].record
+        if row.said["type"]:
+            found = self.read(row.said["type"], form.record)
+        elif row.path.startswith("'"):
+            found = Literal[row.path[1:-1]]
+        elif row.form and {form.record, *form.reads} & {tuple, row.path.split(".")[0]}:
+            found = FORMS[row.form].record
         else:
-            found = self.at(form, path)
-        if row["by"]:
+            found = self.at(form, row.path)
+        if row.said["by"]:
             found = GenericAlias(dict, (str, get_args(found)[0]))
-        found = _certain(found) if row["maybe"] else found
-        return _or_none(found, if_so=bool(row["null"]))
+        found = _certain(found) if row.is_maybe else found
+        return _or_none(found, if_so=bool(row.said["null"]))
 
     def at(self, form: Form, path: str) -> Any:  # noqa: ANN401 - as above
         """Return the type of what is at a path of a record."""

@@ -18,7 +18,7 @@ from sources import nodes_of
 # rooms on one floor do not know each other.
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
-    ("units", "language", "resources"),
+    ("units", "language", "resources", "documents"),
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),

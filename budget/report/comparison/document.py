@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from budget.documents import document, form_of
+from budget.documents import document
 from budget.report.document import csv_text
 from budget.studies.missing import PREDICT
 
@@ -60,7 +60,7 @@ def json_pieces(comparison: Comparison) -> Iterator[str]:
     times the room of their text. Raises as to_json does.
     """
     start = "{\n"
-    for key, value in form_of(comparison).entries(comparison):
+    for key, value in document(comparison).items():
         yield f"{start} {json.dumps(key)}: "
         start = ",\n"
         if not isinstance(value, Iterator) or not comparison.devices:
