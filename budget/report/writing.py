@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import string
-from math import isnan
+from math import degrees, isnan
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -205,6 +205,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "settle": settle,
     "ratio": lambda value: f"{print_given(value, digits=DIGITS)}:1",
     "of_ratio": lambda value: DASH if value is None else number(value),
+    "degrees": degrees,
     "stop": print_stop,
     "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
     "thousands": print_count,

@@ -12,8 +12,7 @@ from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
 )
 from budget.inputs.records import AXES
-from budget.language import counted, say, term
-from budget.report.blocks import Cell, Field, Section, table_of
+from budget.language import words
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -25,21 +24,23 @@ from budget.report.figures.rows import (
     Stroke,
 )
 from budget.report.figures.style import BLUE, PAPER, WIDE, fits
-from budget.report.tables import print_given
+from budget.report.pages import line, sections, table, texts
 from budget.report.wording import capital
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
+    from types import SimpleNamespace
 
     from budget.inputs.records import Procedure
     from budget.model.windows import Window
-    from budget.report.blocks import Table
+    from budget.report.blocks import Section
     from budget.report.figures.rows import Mark
 
+PAGE = "figures_timeline"
 SPAN = WIDE - 80.0  # of an axis at least [pt]
 TURN, DWELL = 0.68, 0.18  # opacities of the one hue
 MINUTE, HOUR = 60.0, 3600.0  # [s]
-IN_MINUTES, IN_HOURS = 120.0, 18000.0  # [s] from which times are printed so
+IN_HOURS = 18000.0  # [s] from which times are printed so
 FACES = {  # j of N(j): Zhao 2019, eq. (5)
     (axis, sign): 2 * place + (1 if sign > 0 else 2)
     for place, axis in enumerate(("z", "x", "y"))
@@ -81,111 +82,65 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
         return None
     longest = max(track.end for track in tracks)
     unit, size = ("h", HOUR) if longest >= IN_HOURS else ("min", MINUTE)
-    whole = Scale(
-        low=0.0,
-        high=longest / size,
-        label=say("time from the first window of the triad [{unit}]", unit=unit),
+    said = texts(PAGE, "schedule", tracks=tracks, unit=unit)
+    scale = SPAN / longest
+    whole = Panel(
+        scale=Scale(low=0.0, high=longest / size, label=said.label),
+        groups=tuple(
+            Group(
+                title=line(PAGE, "track", track=track),
+                said=capital(words(track.sensor)),
+                rows=_rows(track, range(len(track.windows)), size, scale, said),
+            )
+            for track in tracks
+        ),
     )
-    panels = [
-        panel for track in tracks for panel in _enlarged(track, SPAN / longest)
-    ] + [
-        Panel(
-            scale=whole,
-            groups=tuple(
-                Group(
-                    title=say(
-                        "{sensor}, {end}",
-                        sensor=say(track.sensor),
-                        end=print_time(track.end),
-                    ),
-                    said=capital(say(track.sensor)),
-                    rows=_rows(track, range(len(track.windows)), size, SPAN / longest),
-                )
-                for track in tracks
-            ),
-        )
-    ]
+    enlarged = [panel for track in tracks for panel in _enlarged(track, scale, said)]
     return Chart(
         name="schedule",
-        title=_title(tracks),
-        sides=(Side(panels=tuple(panels)),),
-        caption=(
-            say(
-                "To scale; the time of each triad counts from its first window. "
-                "Turns in full colour, dwells faint. Below them the averages as "
-                "formulas name them."
-            )
-        ),
+        title=said.title,
+        sides=(Side(panels=(*enlarged, whole)),),
+        caption=said.caption,
         pitch=20.0,
-        data=_data(tracks),
+        data=table(PAGE, "data", tracks=tracks),
         data_on_paper=bool(procedure.windows),
         width=WIDE,
     )
 
 
-def _title(tracks: Sequence[Track]) -> str:
-    """State the finding: how long it takes, and what it consists of."""
-    texts = []
-    for track in tracks:
-        text = say(
-            "{sensor} {end}: {made_of}",
-            sensor=say(track.sensor),
-            end=print_time(track.end),
-            made_of=made_of(track),
-        )
-        texts.append(
-            say("{text}, pauses of {pause}", text=text, pause=print_time(track.pause))
-            if track.pause
-            else text
-        )
-    return capital(say("; ").join(texts))
-
-
-def _enlarged(track: Track, scale: float) -> tuple[Panel, ...]:
-    """Return the turns on an axis of their own where one is too short for its name.
+def _enlarged(track: Track, scale: float, said: SimpleNamespace) -> Iterator[Panel]:
+    """Yield the turns on an axis of their own where one is too short for its name.
 
     `scale` is that of the whole [pt/s].
     """
     turns = [track.windows[k] for k in track.turns]
     if all(fits(track.labels[k], track.windows[k].length * scale) for k in track.turns):
-        return ()
-    start, end = turns[0].start, turns[-1].start + turns[-1].length
-    times = print_given(SPAN / (end - start) / scale, digits=2)
-    rows = _rows(track, track.turns, 1.0, SPAN / (end - start))
-    title = say(
-        "{sensor}, the {turns} turns, {times} times as long",
-        sensor=say(track.sensor),
-        turns=len(turns),
-        times=times,
-    )
-    return (
-        Panel(
-            scale=Scale(low=start, high=end, label=say("time [s]")),
-            groups=(
-                Group(
-                    title=title,
-                    rows=tuple(replace(row, said="") for row in rows),
-                ),
+        return
+    start, end = turns[0].start, turns[-1].end
+    rows = _rows(track, track.turns, 1.0, SPAN / (end - start), said)
+    times = SPAN / (end - start) / scale
+    yield Panel(
+        scale=Scale(low=start, high=end, label=said.seconds),
+        groups=(
+            Group(
+                title=line(PAGE, "turns", track=track, times=times),
+                rows=tuple(replace(row, said="") for row in rows),
             ),
         ),
     )
 
 
 def _rows(
-    track: Track, places: Sequence[int], size: float, scale: float
+    track: Track,
+    places: Sequence[int],
+    size: float,
+    scale: float,
+    said: SimpleNamespace,
 ) -> tuple[Row, Row]:
     """Return some windows of a triad, and below them the averages taken of them.
 
     `size` is the unit of the axis [s], `scale` that of the drawing [pt/s].
     """
-    said = say(", ").join(
-        say(
-            "{window_name} at {start}",
-            window_name=window_name(track, place),
-            start=print_time(track.windows[place].start),
-        )
-        for place in places
-    )
     averages: list[Mark] = []
     for name, first, last in track.averages:
         if first not in places:
@@ -207,11 +162,11 @@ def _rows(
         ]
     return (
         Row(
-            label=say("windows"),
+            label=said.windows,
             marks=tuple(_window(track, place, size, scale) for place in places),
-            said=said,
+            said=line(PAGE, "windows", track=track, places=places),
         ),
-        Row(label=say("averages"), marks=tuple(averages)),
+        Row(label=said.averages, marks=tuple(averages)),
     )
 
 
@@ -225,7 +180,6 @@ def _window(track: Track, place: int, size: float, scale: float) -> Bar:
         for k, label in enumerate(track.labels)
         if (k in track.turns) == is_turn
     )
-    start, length = print_time(window.start), print_time(window.length)
     return Bar(
         start=window.start / size,
         end=(window.start + window.length) / size,
@@ -233,52 +187,8 @@ def _window(track: Track, place: int, size: float, scale: float) -> Bar:
         opacity=TURN if is_turn else DWELL,
         height=18.0,
         text=track.labels[place] if are_named else "",
-        tip=say(
-            "{sensor}, {window_name}: from {start} for {length}",
-            sensor=say(track.sensor),
-            window_name=window_name(track, place),
-            start=start,
-            length=length,
-        ),
+        tip=line(PAGE, "window_tip", track=track, place=place),
     )
-
-
-def _data(tracks: Sequence[Track]) -> Table:
-    """Return the windows with their times."""
-    return table_of(
-        [(track, place) for track in tracks for place in range(len(track.windows))],
-        (*TIMES, Field(head=say("average"), cell=_average)),
-        name="schedule-data",
-        caption=say("Turns and dwells with their times"),
-        by=lambda one: say(one[0].sensor),
-        titled=True,
-    )
-
-
-def _average(one: tuple[Track, int]) -> str:
-    """Name the average that a window goes into."""
-    track, place = one
-    return next(name for name, low, high in track.averages if low <= place <= high)
-
-
-def _given(value: float) -> Cell:
-    """Print a time of a procedure [s]."""
-    return Cell(text=print_given(value, digits=7), exact=value)
-
-
-TIMES: tuple[Field[tuple[Track, int]], ...] = (  # of a window, by track and place
-    Field(head=term("window"), cell=lambda one: window_name(*one)),
-    Field(
-        head=term("start [s]"),
-        kind="number",
-        cell=lambda one: _given(one[0].windows[one[1]].start),
-    ),
-    Field(
-        head=term("length [s]"),
-        kind="number",
-        cell=lambda one: _given(one[0].windows[one[1]].length),
-    ),
-)
 
 
 TEXT_TRACK = 38  # characters that the longest test is drawn with
@@ -290,41 +200,9 @@ def schedule_sections(
 ) -> tuple[Section, ...]:
     """Draw the schedule of each triad as text: '#' turns, '=' stands."""
     tracks = make_tracks(procedure, sensors)
-    longest = max((track.end for track in tracks), default=0.0)
-    return tuple(_drawn_as_text(track, TEXT_TRACK / longest) for track in tracks)
-
-
-def _drawn_as_text(track: Track, scale: float) -> Section:
-    """Return the windows of a triad with their times; `scale` is in characters/s."""
-
-    def bar(one: tuple[Track, int]) -> str:
-        window = track.windows[one[1]]
-        sign = "#" if window.sense else "="
-        start = int(window.start * scale)
-        return " " * start + sign * max(1, int(window.end * scale) - start)
-
-    drawing = Field(
-        head=say("0 to {end}", end=print_time(track.end)), kind="drawing", cell=bar
-    )
-    title = say(
-        "{sensor}: {made_of}, in {end}",
-        sensor=capital(say(track.sensor)),
-        made_of=made_of(track),
-        end=print_time(track.end),
-    )
-    return Section(
-        name=f"schedule-{track.sensor}",
-        title=title,
-        in_brief=title if len(track.windows) > MOST_DRAWN else None,
-        blocks=(
-            table_of(
-                [(track, place) for place in range(len(track.windows))],
-                (*TIMES, drawing),
-                name=f"schedule-{track.sensor}-table",
-                caption=say("Windows of the {sensor}", sensor=say(track.sensor)),
-            ),
-        ),
-    )
+    longest = max((track.end for track in tracks), default=1.0)
+    scale = TEXT_TRACK / longest
+    return sections("schedule", tracks=tracks, scale=scale, most_drawn=MOST_DRAWN)
 
 
 def make_tracks(procedure: Procedure, sensors: Sequence[str]) -> tuple[Track, ...]:
@@ -337,74 +215,24 @@ def make_tracks(procedure: Procedure, sensors: Sequence[str]) -> tuple[Track, ..
 
 def print_time(seconds: float) -> str:
     """Print a time that was given: '18 s', '5 min', '2.5 h'."""
-    if seconds >= IN_HOURS:
-        return f"{print_given(seconds / HOUR)} h"
-    if seconds >= IN_MINUTES:
-        return say("{seconds} min", seconds=print_given(seconds / MINUTE))
-    return f"{print_given(seconds)} s"
-
-
-TURN_OF, TURNS_OF = (
-    term("{windows} turn of {lengths}"),
-    term("{windows} turns of {lengths}"),
-)
-DWELL_OF = term("{windows} dwell of {lengths}")
-DWELLS_OF = term("{windows} dwells of {lengths}")
+    return line(PAGE, "time", seconds=seconds)
 
 
 def made_of(track: Track) -> str:
     """Say what a test consists of: '6 turns of 18 s and 4 dwells of 5 min'."""
-    turns = [window for window in track.windows if window.sense]
-    dwells = [window for window in track.windows if not window.sense]
-    parts = [
-        counted(
-            len(windows), one, many, windows=len(windows), lengths=_lengths(windows)
-        )
-        for windows, one, many in (
-            (turns, TURN_OF, TURNS_OF),
-            (dwells, DWELL_OF, DWELLS_OF),
-        )
-        if windows
-    ]
-    return say(" and ").join(parts)
-
-
-def _lengths(windows: Sequence[Window]) -> str:
-    """Say how long windows are: '18 s', '18 s to 5 min'."""
-    texts = [print_time(end(window.length for window in windows)) for end in (min, max)]
-    return say(" to ").join(dict.fromkeys(texts))
-
-
-def window_name(track: Track, place: int) -> str:
-    """Name one window in words: 'turn about z+'."""
-    window = track.windows[place]
-    if window.axis is None and window.azimuth is None:
-        return (
-            window.name if window.sense else say("dwell with {name}", name=window.name)
-        )
-    if window.azimuth is not None:
-        return say(
-            "dwell at azimuth {azimuth:.6g} deg", azimuth=degrees(window.azimuth)
-        )
-    if track.sensor == "gyro" and window.sense:
-        return say("turn about {name}", name=window.name.removeprefix("turn "))
-    return say("dwell with {name}", name=window.name)
+    return line(PAGE, "made_of", track=track)
 
 
 def _any_track(sensor: str, procedure: Procedure) -> Track:
     """Lay out windows that all go into one estimate."""
-    how = (
-        say("the norm of gravity")
-        if procedure.formulas == "norm"
-        else say("least squares")
-    )
     windows = schedule_of(sensor, procedure).windows
+    name = line(PAGE, "average", formulas=procedure.formulas)
     gaps = [b.start - a.end for a, b in pairwise(windows)]
     return Track(
         sensor=sensor,
         windows=windows,
         labels=tuple(window.name.partition(",")[0] for window in windows),
-        averages=((say("all, by {how}", how=how), 0, len(windows) - 1),),
+        averages=((name, 0, len(windows) - 1),),
         pause=min(gaps, default=0.0),
     )
 
@@ -416,18 +244,14 @@ def _gyro_track(procedure: Procedure) -> Track:
     labels = [_gyro_label(window) for window in windows]
     averages = [
         (
-            say("n, j = {counted_turns}", counted_turns=COUNTED_TURNS[axis]),
+            line(PAGE, "turns_average", number=COUNTED_TURNS[axis]),
             2 * place,
             2 * place + 1,
         )
         for place, axis in enumerate(procedure.gyro.order)
     ]
-    what = (
-        say("all azimuths, z up")
-        if procedure.gyro.azimuths
-        else say("an axis up and down")
-    )
-    averages.append((say("N, mean of {what}", what=what), len(turns), len(windows) - 1))
+    name = line(PAGE, "dwells_average", azimuths=procedure.gyro.azimuths)
+    averages.append((name, len(turns), len(windows) - 1))
     return Track(
         sensor="gyro",
         windows=windows,
@@ -457,10 +281,7 @@ def _accelerometer_track(procedure: Procedure) -> Track:
     return Track(
         sensor="accelerometer",
         windows=windows,
-        labels=tuple(
-            say("{axis} up", axis=axis) if sign > 0 else say("{axis} down", axis=axis)
-            for axis, sign in faces
-        ),
+        labels=tuple(line(PAGE, "face", axis=axis, sign=sign) for axis, sign in faces),
         averages=tuple(averages),
         pause=procedure.accelerometer.pause,
     )
