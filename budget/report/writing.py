@@ -226,7 +226,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "two": round_uncertainty,
     "metres": length,
     "divisor": print_divisor,
-    "degrees": print_degrees_of_freedom,
+    "degrees_of_freedom": print_degrees_of_freedom,
     "share": print_share,
     "of_square": print_part,
     "share_bar": share_bar,
