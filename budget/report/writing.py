@@ -205,7 +205,7 @@ FILTERS: Mapping[str, Callable[..., object]] = {
     "settle": settle,
     "ratio": lambda value: f"{print_given(value, digits=DIGITS)}:1",
     "of_ratio": lambda value: DASH if value is None else number(value),
-    "degrees": degrees,
+    "in_degrees": degrees,
     "stop": print_stop,
     "per_cent": lambda part: print_utilisation(part).removesuffix(" %"),
     "thousands": print_count,
