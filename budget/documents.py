@@ -242,16 +242,11 @@ class Documented:
         }
 
 
-def steps_of(path: str) -> list[str]:
-    """Return the steps of a path."""
-    return re.findall(r"\w+", path)
-
-
 def _reader(path: str, reads: Mapping[str, Read]) -> Read:
     """Return what reads a path of a record."""
     if path.startswith("'"):
         return lambda _: path[1:-1]
-    first, *rest = steps_of(path)
+    first, *rest = path.split(".")
     begin = reads.get(first) or READS.get(first)
     if begin is None:
         begin = itemgetter(int(first)) if first.isdecimal() else attrgetter(first)

@@ -12,7 +12,7 @@ from importlib import import_module
 from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row, steps_of
+from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row
 from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
@@ -127,7 +127,7 @@ class Schema:
             found = self.read(row.said["type"], form.record)
         elif row.path.startswith("'"):
             found = Literal[row.path[1:-1]]
-        elif row.form and {form.record, *form.reads} & {tuple, steps_of(row.path)[0]}:
+        elif row.form and {form.record, *form.reads} & {tuple, row.path.split(".")[0]}:
             found = FORMS[row.form].record
         else:
             found = self.at(form, row.path)
@@ -140,7 +140,7 @@ class Schema:
         """Return the type of what is at a path of a record."""
         found: Any = form.record
         is_optional = False
-        for step in steps_of(path):
+        for step in path.split("."):
             found = self.step(form, found, step)
             is_optional |= _is_optional(found)
             found = _certain(found)
