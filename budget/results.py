@@ -258,8 +258,8 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
     interval / unit: coverage interval
     interval_by: what it is of, 'law', 'monte-carlo', 'simulation', 'prediction'
     coverage? [1]: of the interval; where none stands here it is that of the settings
-    cep? = radii.cep / unit: of a length, radius of the circle that holds 50 %
-    r95? = radii.r95 / unit: of a length, radius of the circle that holds 95 %
+    cep? = radii.cep / unit: of a length, radius of the circle that 50 % are in
+    r95? = radii.r95 / unit: of a length, radius of the circle that 95 % are in
     drms? = standard_uncertainty / unit if radii: of a length, root of the summed
       variances
     coverage_factor [1]: half the interval over the standard uncertainty; null where
@@ -1309,7 +1309,7 @@ class Caution:
     use: in which
     mission or null: on which
     decision: by which rule limits are held
-    conditions: that it holds if, or that decide
+    conditions: that it rests on, or that decide
     cautions
     utilisation_at_ceilings = at_ceilings [1]: with every missing line at its ceiling;
       null where one has none

@@ -41,7 +41,7 @@ CHANGED = ", changed"  # after the name of a device of which a call changed a va
     includes: what it covers, in the words of the maker
     horizon: after which time
     definition: of the maker
-    condition: under which it holds
+    condition: under which it applies
     source: where it is printed
     """,
 )
@@ -101,7 +101,7 @@ class ErrorLine(Given):
     """
     name
     value: as the file gives it
-    condition: under which it holds
+    condition: under which it applies
     meaning: how its number is meant
     source: where it is printed
     """,

@@ -124,14 +124,15 @@ class Schema:
 
     def hint(self, form: Form, row: Row) -> Any:  # noqa: ANN401 - as above
         """Return the type of what stands under a key, before it is JSON."""
+        path = row.path
         if row.said["type"]:
             found = self.read(row.said["type"], form.record)
-        elif row.path.startswith("'"):
-            found = Literal[row.path[1:-1]]
-        elif row.form and {form.record, *form.reads} & {tuple, row.path.split(".")[0]}:
+        elif path.startswith("'"):
+            found = Literal[path[1:-1]]
+        elif row.form and {form.record, *form.reads} & {tuple, path.split(".")[0]}:
             found = FORMS[row.form].record
         else:
-            found = self.at(form, row.path)
+            found = self.at(form, path)
         if row.said["by"]:
             found = GenericAlias(dict, (str, get_args(found)[0]))
         found = _certain(found) if row.is_maybe else found

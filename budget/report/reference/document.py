@@ -42,7 +42,7 @@ written(
     causes not in CSV: changes that explain some of it
     together not in CSV [unit]: what all changes do at once beyond the sum of what each
       does alone
-    because: causes, in words
+    because: in words, which changes explain it
     """,
     because=_because,
 )(Move)
