@@ -338,7 +338,7 @@ def test_every_filter_of_a_page_is_there(name):
     """A filter that is missing would be told where the branch is reached alone."""
     source = (FOLDER / name).read_text(encoding="utf-8")
     tree = pages._environment().parse(source)
-    known = {**pages._environment().filters, **sentences._environment(None).filters}
+    known = {**pages._environment().filters, **sentences.environment_of(None).filters}
 
     assert {one.name for one in tree.find_all(nodes.Filter)} <= set(known)
 
