@@ -33,6 +33,7 @@ CALLS = {
         *("-o", "a.py", "--json", "a.json"),
     ),
     "compare": ("compare", "hg4930", *GRADE, "--method", "gum", "-o", "a.html"),
+    "decide": ("decide", GRADE[1], "hg4930", "-o", "a.html", "--json", "a.json"),
     "devices": ("devices", "hg4930"),
     "paper": (
         *("paper", "-o", "a.html", "-o", "a.pdf"),
@@ -49,7 +50,7 @@ CALLS = {
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "new": ("new", "a.yaml", "--line", "gyro.bias_stability=1 deg/h"),
 }
-NOT_MET = {"compare", "station"}
+NOT_MET = {"compare", "decide", "station"}
 # Workers import what started them: the process of theirs is a command and no more.
 ALONE = "analyze, two workers"
 
