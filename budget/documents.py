@@ -34,7 +34,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
 from math import isinf
-from operator import attrgetter, itemgetter
 from textwrap import dedent
 from typing import Any, TypeVar
 
@@ -245,9 +244,7 @@ def _reader(path: str, reads: Mapping[str, Read]) -> Read:
     if path.startswith("'"):
         return lambda _: path[1:-1]
     first, *rest = path.split(".")
-    begin = reads.get(first) or READS.get(first)
-    if begin is None:
-        begin = itemgetter(int(first)) if first.isdecimal() else attrgetter(first)
+    begin = reads.get(first) or READS.get(first) or partial(_step, step=first)
     if not rest:
         return begin
     return lambda record: reduce(_step, rest, begin(record))
