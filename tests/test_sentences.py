@@ -97,11 +97,13 @@ def macros_of(page):
         one.name: {argument.name for argument in one.args}
         for one in tree.find_all(nodes.Macro)
     }
-    return found, meta.find_undeclared_variables(tree)
+    return found, meta.find_undeclared_variables(tree) - {"_trans"}  # of Jinja2
 
 
 def made_in(tree):
     """Return the places of sentences that code makes, with the names of their values.
+
+    None is among these where some are handed on.
 
     A place that is no literal is one that a source has.
     """
@@ -130,7 +132,8 @@ def wrong_in(made):
     return [
         place
         for place, page, name, values in pages
-        if macros_of(page)[0].get(name) != values
+        for known in [macros_of(page)[0].get(name)]
+        if known is None or (None not in values and known != values)
     ]
 
 

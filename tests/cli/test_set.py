@@ -29,6 +29,7 @@ CALLS = {
     "allocate": ("allocate", "zhao-2019", *GRADE, "--no-validate"),
     "station": ("station", "zhao-2019", *GRADE),
     "compare": ("compare", "zhao-2019", *GRADE, "--method", "gum"),
+    "decide": ("decide", GRADE[1], "zhao-2019"),
     "export": ("export", "zhao-2019", "--to", "gtsam", "--rate", "100"),
     "devices": ("devices", "zhao-2019"),
     "report": ("report", "zhao-2019", "--no-validate", "-o", "a.html"),
