@@ -469,24 +469,23 @@ def print_count(count: int) -> str:
 
 def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
     """Name the two largest and gather the rest; shares are of one variance."""
-    return _of_shares("largest", shares)
+    return sentence("analysis/shares.largest", **_largest(shares)).said()
 
 
 def of_the_variance(shares: Sequence[tuple[str, float]]) -> str:
     """Name the two largest as shares 'of the variance'; 'no spread' has none."""
-    return _of_shares("of_the_variance", shares)
+    return sentence("analysis/shares.of_the_variance", **_largest(shares)).said()
 
 
-def _of_shares(macro: str, shares: Sequence[tuple[str, float]]) -> str:
-    """Say what the two largest shares are, and the rest, in the words of a macro."""
+def _largest(shares: Sequence[tuple[str, float]]) -> dict[str, object]:
+    """Return the two largest shares, and the rest, as they are printed."""
     ranked = [shares[k] for k in from_largest([share for _, share in shares])]
     head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
     rest = fsum(share for _, share in ranked[len(head) :])
-    return sentence(
-        f"analysis/shares.{macro}",
-        parts=[f"{title} {print_share(share)}" for title, share in head],
-        rest=print_share(rest) if rest > NO_SHARE else "",
-    ).said()
+    return {
+        "parts": [f"{title} {print_share(share)}" for title, share in head],
+        "rest": print_share(rest) if rest > NO_SHARE else "",
+    }
 
 
 def source_title(source: Name, *, of: str = "") -> str:

@@ -341,8 +341,8 @@ def _of_chosen(
     devices: Sequence[Device],
     purchases: Sequence[Purchase],
 ) -> tuple[str, ...]:
-    """Return each text once, without those of devices that are not bought."""
-    bought = {one.chosen.name for one in purchases if one.chosen}
+    """Return each text once, without those of devices that are not the first."""
+    bought = {one.offers[0].name for one in purchases}
     others = tuple(f"{one.name}: " for one in devices if one.name not in bought)
     every = dict.fromkeys(text for some in texts for text in some)
     return tuple(text for text in every if not text.startswith(others))
