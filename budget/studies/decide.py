@@ -69,7 +69,7 @@ class Offer(Documented):
     @property
     def is_as_made(self) -> bool:
         """Whether it is used as its maker calibrated it: no test is needed."""
-        return self.calibration == UNTESTED[FACTORY][0]
+        return self.calibration == UNTESTED[FACTORY]
 
     @property
     def price(self) -> str:
