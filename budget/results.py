@@ -124,7 +124,7 @@ class SobolIndex:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class InputQuantity:
+class InputQuantity(Documented):
     """A specification line as the input quantity of a budget: x_i and u(x_i).
 
     Its values are in the maker's own terms: `si_per_unit` of them make u in SI.

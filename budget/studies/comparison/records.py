@@ -121,7 +121,7 @@ class UnknownCap:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Entrant:
+class Entrant(Documented):
     """One sensor of one device under one procedure, and what its data sheet says.
 
     Of a mission it is both sensors, and `sensor` is 'mission'.

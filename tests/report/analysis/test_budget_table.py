@@ -10,7 +10,6 @@ import pytest
 from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
-from budget.documents import document
 from budget.inputs import load_device, load_procedure, load_requirement
 from budget.report.analysis.groups import budget_section
 from budget.report.pages import blocks, line
@@ -270,7 +269,7 @@ def test_degrees_of_freedom_nobody_knows_are_blank():
     predicted = next(
         one for one in of.quantities if one.source == "gyro.mounting_repeatability"
     )
-    assert document(predicted)["degrees_of_freedom"] is None
+    assert predicted.to_dict()["degrees_of_freedom"] is None
 
     lacking = analyze(load_device("bmi088"), validate=False)
     found = {row.lower_bound: row.degrees_of_freedom for row in lacking.outputs}
