@@ -491,7 +491,7 @@ class Settings(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class InputFile:
+class InputFile(Documented):
     """One file that a result depends on, by base name and content."""
 
     role: str  # device, procedure, requirement
@@ -609,7 +609,7 @@ class Bias:
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Compensation:
+class Compensation(Documented):
     """What turns readings into inputs, of one triad, at its nominal values.
 
     Attributes
@@ -1007,7 +1007,7 @@ class Budget(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class FilledLine:
+class FilledLine(Documented):
     """A line in the place of an expected one that is not given."""
 
     source: Name
@@ -1081,7 +1081,7 @@ class Ask:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Doubt:
+class Doubt(Documented):
     """Probability that a device meets over what its missing lines may be."""
 
     probability: float  # that every largest error is within its limit [1]
@@ -1103,7 +1103,7 @@ class Doubt:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Probability:
+class Probability(Documented):
     """A probability with its 95 % sampling interval [1]."""
 
     value: float
@@ -1135,7 +1135,7 @@ class Probability:
     """,
 )
 @dataclass(frozen=True, kw_only=True, slots=True)
-class OutputAssessment:
+class OutputAssessment(Documented):
     """One required output against its limit [SI]."""
 
     output: Output
@@ -1186,7 +1186,7 @@ def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class ReadingEffect:
+class ReadingEffect(Documented):
     """How another reading of one line alone changes the standard uncertainties."""
 
     line: Name  # whose meaning the data sheet leaves open
@@ -1222,7 +1222,7 @@ class Reading:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class ReadingVerdicts:
+class ReadingVerdicts(Documented):
     """The verdicts on one sensor under the readings of its open lines."""
 
     sensor: str
@@ -1258,7 +1258,7 @@ class ReadingVerdicts:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Condition:
+class Condition(Documented):
     """What must hold for a verdict, or what decides it and has to be asked for.
 
     Of a line that is not given, or of a use that nobody has stated.
@@ -1290,7 +1290,7 @@ class Condition:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Caution:
+class Caution(Documented):
     """What qualifies a verdict, beside it wherever it stands."""
 
     kind: str
@@ -1316,7 +1316,7 @@ class Caution:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Standing:
+class Standing(Documented):
     """A verdict and what it stands on, the same in every command.
 
     In words: after which calibration, at which station, in which use, of which mission.

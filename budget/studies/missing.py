@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.distributions import NORMAL
-from budget.documents import written
+from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import load_catalogue
 from budget.inputs.records import ErrorLine
@@ -54,7 +54,7 @@ REFUSE, WORST, TYPICAL, PREDICT = MODES = ("refuse", "worst", "typical", "predic
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Filling:
+class Filling(Documented):
     """What stands in the place of the lines that a device does not give."""
 
     mode: str = REFUSE

@@ -41,7 +41,7 @@ from budget.calibration.schemes import (
     with_accelerometers,
 )
 from budget.distributions import NORMAL, normal_coverage_factor
-from budget.documents import written
+from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import (
     load_calibration,
@@ -139,7 +139,7 @@ DOES, DOES_NOT, NO_FIGURES = "does", "does not", "no figures"
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class StationFigure:
+class StationFigure(Documented):
     """One source of station or environment: what it may be, 1 sigma, normal."""
 
     source: Name
@@ -194,7 +194,7 @@ class StationFigure:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class StationOutput:
+class StationOutput(Documented):
     """One limited output at one station."""
 
     output: Output
@@ -248,7 +248,7 @@ class StationOutput:
     worst_output=lambda one: one.worst.output.name if one.worst.ratio else None,
 )
 @dataclass(frozen=True, kw_only=True)
-class StationVerdict:
+class StationVerdict(Documented):
     """One station at this test: whether its part of every limit is small enough."""
 
     name: str

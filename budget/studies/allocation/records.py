@@ -323,7 +323,7 @@ class LineMatch:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Match:
+class Match(Documented):
     """One triad of the catalogue against the allocated lines."""
 
     device: str
@@ -370,7 +370,7 @@ class Match:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Recalibration:
+class Recalibration(Documented):
     """How old a calibration may be before a limit is reached."""
 
     sensor: str

@@ -48,7 +48,7 @@ class Remedy:
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class MissingLines:
+class MissingLines(Documented):
     """What lines that are not given could do, or what stands in their place.
 
     Where the mode is to refuse, they are zero at best, which is what the verdict
