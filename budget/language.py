@@ -29,7 +29,7 @@ from __future__ import annotations
 import ast
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, reduce
+from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Self
 
@@ -37,7 +37,7 @@ from budget import names
 from budget.errors import CallError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
 
 ENGLISH = "en"
@@ -99,11 +99,6 @@ class Note(str):
 def note(text: str, /, **parts: object) -> Note:
     """Write a template in English, to be said later."""
     return Note(text, parts)
-
-
-def in_a_row(texts: Iterable[str], by: str = "{before}, {text}") -> str:
-    """Put notes one after another, so that each can be said: 'a, b, c'."""
-    return reduce(lambda before, text: note(by, before=before, text=text), texts)
 
 
 def term(text: str) -> str:

@@ -131,9 +131,13 @@ def telling(name: str) -> Iterator[None]:
         is_shown = isinstance(
             error, TemplateError | LookupError | TypeError | ValueError
         )
-        if own is None or not is_shown or not (own / name).is_file():
+        if own is None or not is_shown:
             raise
-        raise _broken(str(own / name), error) from error
+        # Where a page that ships asks one's own for what it lacks, the error names it.
+        is_own = (own / name).is_file()
+        if not is_own and not isinstance(error, TemplateError):
+            raise
+        raise _broken(str(own / name if is_own else own), error) from error
 
 
 def _broken(place: str, error: Exception) -> OutputError:

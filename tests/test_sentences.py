@@ -11,9 +11,11 @@ from jinja2 import meta, nodes
 from places import SHIPPED
 from sources import nodes_of
 
+from budget.calibration.saturation import Peak
 from budget.errors import OutputError
 from budget.language import note, say, speaking
 from budget.model.sources import SOURCES
+from budget.names import Name
 from budget.resources import shipped, templates_of
 from budget.sentences import PAGE, Sentence, environment_of, sentence
 
@@ -171,3 +173,63 @@ def test_macros_are_said_and_ask_for_nothing_else(page):
 
     assert strange == set()
     assert left == []
+
+
+BIAS = Name("bias", owner="gyro")
+OUTPUTS = [Name("bias", owner="gyro", axis=axis) for axis in "xy"]
+PEAK = Peak(sensor="gyro", axis="y", size=7.0, where="segment 2")
+# Of branches that no command of the tests takes: values, and what stays of them.
+SELDOM = [
+    ("allocations.not_optimal", {"sensor": "gyro", "gap": 0.00234, "residual": 0}, "0"),
+    ("allocations.not_there", {"sensor": "gyro", "is_calibrated": False}, ""),
+    *(
+        ("allocations.unknown", {"name": BIAS, "what": what}, "gyro.bias")
+        for what in ("held", "bounded", "given a cost")
+    ),
+    ("assumed.while_aligning", {}, ""),
+    ("cautions.age_counts_not", {"age": "1 year", "reference": "nominal"}, "1 year"),
+    ("cautions.asked_alone", {"name": BIAS}, "gyro.bias"),
+    ("cautions.in_radians", {}, "pi/2 deg"),
+    ("cautions.judged_otherwise", {"interval": "a", "outputs": None}, "a"),
+    ("cautions.judged_otherwise", {"interval": "a", "outputs": OUTPUTS}, "gyro.bias.y"),
+    ("cautions.limits_on_a_mission", {}, "budget mission --requirement"),
+    ("cautions.no_vehicle", {"slip": "speed", "size": 2e3, "most": 1e3, "time": 1}, ""),
+    ("cautions.no_weights", {"sensor": "gyro"}, ""),
+    ("cautions.not_confirmed", {"outputs": OUTPUTS}, "gyro.bias.x, gyro.bias.y"),
+    ("cautions.not_validated", {"coverage": 0.9999, "least": 123456}, "123456"),
+    ("cautions.slow", {"length": 12.3456, "speed": 0.01234}, "0.012 m/s"),
+    ("cautions.unsettled", {"trials": 1234000, "outputs": OUTPUTS}, "1 234 000"),
+    ("cautions.without_effect", {"option": "interval"}, "U"),
+    ("conditions.aided", {"times": [60.0, 5400.0]}, "1 min, 1.5 h"),
+    ("conditions.chosen", {}, ""),
+    ("conditions.over_temperature", {}, ""),
+    ("conditions.stands", {"line": BIAS}, ""),
+    ("conditions.within", {"use": "age", "bound": None, "tops": []}, ""),
+    ("filled.basis", {"owner": "", "devices": 1, "designs": 1, "ends": "12"}, "90 %"),
+    (
+        "saturation.beyond",
+        {"device": "D", "peak": PEAK, "range": "1 g", "axes": ("y", "z")},
+        "401.1 deg/s",
+    ),
+    (
+        "saturation.segment",
+        {"number": 2, "move": "climb", "angle": 0, "duration": 90},
+        "90 s",
+    ),
+    ("stations.counts_nothing", {"what": "", "is_felt": True}, ""),
+    *((place, {}, "") for place in sorted(of_sources())),
+]
+
+
+@pytest.mark.parametrize(("place", "parts", "kept"), SELDOM)
+def test_what_is_said_seldom_is_said_in_both_languages(place, parts, kept):
+    """Every branch has its values; names and numbers are those of both."""
+    text = sentence(place, **parts)
+    with speaking("zh"):
+        chinese = say(text)
+
+    assert text != chinese
+    assert {*"{}%"} & {*text + chinese} <= {*kept}
+    for said in (text, chinese):
+        assert kept in said
+        assert said == said.strip()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import Document
 from budget.report.document import json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
@@ -13,7 +12,7 @@ from budget.report.wording import standing_lines
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from budget.report.blocks import Section
+    from budget.report.blocks import Document, Section
     from budget.studies.decide import Decision
 
 MOST_SHOWN = 8  # devices of a table: those after them are counted
@@ -29,26 +28,15 @@ def decision_document(
     found: Decision, *, date: str, command_line: str = COMMAND
 ) -> Document:
     """Put a decision into one document, the answer first."""
-    page = document("decision_page", **_view(found))
-    return Document(
-        kind="decision",
-        title=page.title,
-        facts=page.facts,
-        headline=page.headline,
-        summary=page.summary,
-        cards=page.cards,
-        sections=(
-            *page.sections,
-            provenance_section(
-                found.inputs,
-                found.settings,
-                version=__version__,
-                command_line=command_line,
-            ),
-        ),
-        json=json_text(found.to_dict()),
-        date=date,
+    provenance = provenance_section(
+        found.inputs,
+        found.settings,
         version=__version__,
+        command_line=command_line,
+    )
+    page = document("decision_page", **_view(found))
+    return page.whole(
+        "decision", provenance, json=json_text(found.to_dict()), date=date
     )
 
 

@@ -55,6 +55,7 @@ from budget.report.blocks import (
     Card,
     Cell,
     Column,
+    Document,
     Equation,
     Equations,
     Listing,
@@ -81,6 +82,7 @@ from budget.report.writing import (
 )
 from budget.resources import own_templates, telling, template_environment
 from budget.sentences import PAGE, message_key, module_of
+from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -122,6 +124,13 @@ class Page:
     summary: Words
     cards: tuple[Card, ...]
     sections: tuple[Section, ...]
+
+    def whole(self, kind: str, *ends: Section, json: str, date: str) -> Document:
+        """Return the document of a kind, with the sections that end it."""
+        own = replace(self, sections=(*self.sections, *ends))
+        return Document(
+            kind=kind, **vars(own), json=json, date=date, version=__version__
+        )
 
 
 def sections(page: str, /, **view: object) -> tuple[Section, ...]:
@@ -232,7 +241,10 @@ def _printed(page: str, view: Mapping[str, object], macro: str) -> str:
     template = _environment().get_template(_file(page))
     if not macro:
         return template.render(view)
-    return str(getattr(module_of(template, spoken()), macro)(**view))
+    found = getattr(module_of(template, spoken()), macro, None)
+    if found is None:
+        raise LookupError(f"the macro {macro!r} is missing")
+    return str(found(**view))
 
 
 def _nodes(text: str) -> Sequence[SyntaxTreeNode]:

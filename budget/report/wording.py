@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.language import Note, say, term
+from budget.language import Note, say
 from budget.names import Name
-from budget.report.blocks import Cell
 from budget.report.pages import blocks, line, lines
-from budget.report.tables import print_share
 from budget.report.writing import VERDICTS, capital, listed
 from budget.studies.verdicts import USE_OF
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
 
-    from budget.report.blocks import Block, Words
-    from budget.report.tables import Number
+    from budget.report.blocks import Block
     from budget.results import (
         Assessment,
         Doubt,
@@ -26,12 +23,8 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "BY_LAW",
-    "INTERVALS",
-    "METHODS",
     "VERDICTS",
     "capital",
-    "cell",
     "deciding_lines",
     "doubt_sentence",
     "error_reference",
@@ -41,24 +34,10 @@ __all__ = [
     "not_given_lines",
     "outcome_words",
     "parted",
-    "points",
-    "share_cell",
     "standing_blocks",
     "standing_lines",
 ]
 
-METHODS = {
-    "gum": term(
-        "the law of propagation of uncertainty with second-order terms (JCGM 100)"
-    ),
-    "monte-carlo": term("propagation of distributions by Monte Carlo (JCGM 101)"),
-    "simulation": term("simulation of the calibration, sample by sample"),
-}
-INTERVALS = {
-    "symmetric": term("as much probability left out below as above"),
-    "shortest": term("the shortest of that coverage"),
-}
-BY_LAW = term("mean \N{PLUS-MINUS SIGN} U, by the normal law")
 # Parameters, and what a mission asks for, in the order in which they are named.
 NAMED = ("scale_factor", "mounting_angle", "bias", "position", "velocity", "attitude")
 
@@ -134,18 +113,3 @@ def parted(text: str) -> tuple[str, str]:
     _, _, said = say(text).partition(say(": "))
     whole = text.parts.get("key")
     return whole if isinstance(whole, Name) and whole == key else key, said or assumed
-
-
-def cell(number: Number, *, strong: bool = False) -> Cell:
-    """Return a rounded number in a table."""
-    return Cell(text=number.text, exact=number.exact, strong=strong)
-
-
-def share_cell(share: float) -> Cell:
-    """Return a share of a variance in per cent, with a bar behind it."""
-    return Cell(text=print_share(share).removesuffix(" %"), exact=share, share=share)
-
-
-def points(lines: Iterable[str]) -> tuple[Words, ...]:
-    """Return lines of plain text as points of a listing."""
-    return tuple((line,) for line in lines)

@@ -11,11 +11,12 @@ from budget.inputs import load_mission, load_procedure, load_requirement
 from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
-from budget.names import MISSION
+from budget.names import IMU, MISSION
 from budget.results import VERDICTS, Tabled
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import compare
+from budget.studies.comparison.ranking import as_one
 from budget.studies.comparison.records import NUMBERED, DeviceVerdict
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
@@ -59,7 +60,7 @@ class Offer(Documented):
     calibration: str  # the name of the procedure, or of the maker's
     order: int  # of the calibration: 0 is the maker's, where it is among them
     parts: tuple[Entrant, ...]  # both triads, what belongs to both, the mission
-    standing: Standing  # of all parts
+    standing: Standing  # of all parts, as `compare` puts them together
 
     @property
     def verdict(self) -> str:
@@ -124,6 +125,9 @@ class Offer(Documented):
     offers: each device after each calibration, best first
     stations: for the test of what is chosen
     recalibrations: with the lines as they are
+    is_aged: whether the sheet of what is chosen says what age does
+    incomplete: devices that lack a sensor that is limited
+    unjudged: sensors whose limits nobody judges: nothing is chosen then
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -136,6 +140,9 @@ class Purchase(Documented):
     # known which; and how old its calibration may become.
     stations: tuple[StationVerdict, ...] = ()
     recalibrations: tuple[Recalibration, ...] = ()
+    is_aged: bool = False  # whether the sheet of the chosen one says what age does
+    incomplete: int = 0  # devices that lack a sensor that is limited
+    unjudged: tuple[str, ...] = ()  # sensors whose limits are judged of no device
 
     @property
     def best(self) -> tuple[Offer, ...]:
@@ -147,9 +154,13 @@ class Purchase(Documented):
 
     @property
     def chosen(self) -> Offer | None:
-        """The one to buy; None where none meets, on conditions at least."""
+        """The one to buy; None where none meets, on conditions at least.
+
+        Or where a limit of the requirement is judged of none.
+        """
         first = self.offers[0]
-        return first if first.verdict in NUMBERED else None
+        is_met = first.verdict in NUMBERED and not self.unjudged
+        return first if is_met else None
 
     @property
     def meeting(self) -> tuple[Offer, ...]:
@@ -214,7 +225,7 @@ class Decision(Tabled):
     @property
     def is_met(self) -> bool:
         """Whether there is something to buy of every kind that is needed."""
-        return not self.not_compared and all(one.chosen for one in self.purchases)
+        return all(one.chosen for one in self.purchases)
 
     @property
     def offers(self) -> tuple[Offer, ...]:
@@ -303,9 +314,11 @@ def decide(
         device = imus[one.chosen.parts[0].place]
         test = tests[one.chosen.order]
         given: dict[str, Any] = {"requirement": wanted, "calibration": test, **use}
-        judged = () if as_made else qualify(device, **given).stations
-        if not _ages(device):
-            return replace(one, stations=judged)
+        own = replace(one, is_aged=_ages(device))
+        if not as_made:
+            own = replace(own, stations=qualify(device, **given).stations)
+        if not own.is_aged:
+            return own
         again = allocate(
             device,
             mission=journey,
@@ -315,13 +328,11 @@ def decide(
             seed=seed,
             **given,
         ).recalibrations
-        return replace(
-            one,
-            stations=judged,
-            recalibrations=tuple(each for each in again if each.goal == AS_THEY_ARE),
-        )
+        kept = tuple(each for each in again if each.goal == AS_THEY_ARE)
+        return replace(own, recalibrations=kept)
 
-    purchases = [further(one) for one in _purchases(found)]
+    is_shared = any(one.output.owner == IMU for one in wanted.limits)
+    purchases = [further(one) for one in _purchases(found, is_shared=is_shared)]
     first = found[0]
     return Decision(
         requirement=wanted.name,
@@ -353,7 +364,7 @@ def _ages(device: Device) -> bool:
     return any(one.line(line) for one in device.sensors for line in AGEING.values())
 
 
-def _purchases(found: Sequence[Comparison]) -> tuple[Purchase, ...]:
+def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> tuple[Purchase, ...]:
     """Gather what is said of each device after each calibration, best first."""
     required = tuple(dict.fromkeys(one for each in found for one in each.required))
     units: dict[tuple[int, int], list[Entrant]] = {}
@@ -365,39 +376,58 @@ def _purchases(found: Sequence[Comparison]) -> tuple[Purchase, ...]:
         for key, parts in units.items()
         if {one.sensor for one in parts} == {*required}
     }
-    if whole:
-        kind = required[0] if len(required) == 1 else "device"
-        return (_purchase(kind, whole.items()),)
-    return tuple(
-        _purchase(
-            sensor,
-            (
-                (key, [one])
+    kinds = {required[0] if len(required) == 1 else "device": whole}
+    if not whole:
+        kinds = {
+            sensor: {
+                key: own
                 for key, parts in units.items()
-                for one in parts
-                if one.sensor == sensor
-            ),
+                if (own := [one for one in parts if one.sensor == sensor])
+            }
+            for sensor in required
+        }
+    unjudged = tuple(
+        dict.fromkeys(
+            one for each in found for one in (*each.not_compared, *each.untested)
         )
-        for sensor in required
+    )
+    return tuple(
+        Purchase(
+            kind=kind,
+            offers=tuple(
+                sorted(
+                    (
+                        _offer(order, parts, is_shared=is_shared)
+                        for (order, _), parts in of.items()
+                    ),
+                    key=lambda one: one.place,
+                )
+            ),
+            incomplete=len({place for _, place in units.keys() - whole.keys()})
+            * bool(whole),
+            unjudged=unjudged,
+        )
+        for kind, of in kinds.items()
     )
 
 
-def _purchase(
-    kind: str, units: Iterable[tuple[tuple[int, int], list[Entrant]]]
-) -> Purchase:
-    """Put the parts of every unit together, and rank them."""
-    offers = [
-        Offer(
-            name=parts[0].name,
-            file=parts[0].file,
-            calibration=parts[0].procedure,
-            order=order,
-            parts=tuple(parts),
-            standing=reduce(_beside, (one.standing for one in parts)),
-        )
-        for (order, _), parts in units
-    ]
-    return Purchase(kind=kind, offers=tuple(sorted(offers, key=lambda one: one.place)))
+def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
+    """Put the parts of a unit together: triads as `compare` does, then the mission."""
+    judged = [one for one in parts if isinstance(one, DeviceVerdict)]
+    triads = [one for one in judged if one.sensor != MISSION]
+    standings = [one.standing for one in parts]
+    if len(judged) == len(parts) and len(triads) > 1:
+        of_mission = [one.standing for one in judged if one.sensor == MISSION]
+        standings = [as_one(triads, is_shared=is_shared).standing, *of_mission]
+    first = parts[0]
+    return Offer(
+        name=first.name,
+        file=first.file,
+        calibration=first.procedure,
+        order=order,
+        parts=tuple(parts),
+        standing=reduce(_beside, standings),
+    )
 
 
 def _beside(one: Standing, other: Standing) -> Standing:

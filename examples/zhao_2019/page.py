@@ -40,29 +40,15 @@ QUANTITIES = {U_SINGLE: "u, single", U_MEAN: "u, mean"}
 
 def paper_document(study: PaperStudy, *, date: str) -> Document:
     """Put the whole study into one document."""
-    page = _page(study)
-    return Document(
-        kind="paper",
-        title=page.title,
-        facts=page.facts,
-        headline=page.headline,
-        summary=page.summary,
-        cards=page.cards,
-        sections=(
-            *page.sections,
-            provenance_section(
-                study.inputs,
-                None,
-                version=__version__,
-                command_line=COMMAND
-                if spoken() == ENGLISH
-                else f"{COMMAND} --language {spoken()}",
-            ),
-        ),
-        json=json_text(study.to_dict()),
-        date=date,
+    is_english = spoken() == ENGLISH
+    provenance = provenance_section(
+        study.inputs,
+        None,
         version=__version__,
+        command_line=COMMAND if is_english else f"{COMMAND} --language {spoken()}",
     )
+    document = json_text(study.to_dict())
+    return _page(study).whole("paper", provenance, json=document, date=date)
 
 
 def paper_sections(study: PaperStudy) -> tuple[Section, ...]:

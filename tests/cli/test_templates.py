@@ -53,6 +53,21 @@ def test_a_block_of_the_page_and_a_page_of_a_section_are_overridden(own, tmp_pat
     assert " & own</p>" in html.read_text("utf-8")
 
 
+@pytest.mark.parametrize(
+    ("page", "lacks"), [("words", "mode"), ("figures_outputs", "overview")]
+)
+def test_a_macro_that_a_page_of_ones_own_lacks_is_told(own, tmp_path, page, lacks):
+    """Whether another page or the program asks for it; nothing is written."""
+    (own / "pages" / f"{page}.md.j2").write_text("{% macro x() %}{% endmacro %}")
+    html = tmp_path / "x.html"
+    found = call(*REPORT, "--templates", str(own), "-o", str(html))
+    assert found.code == 2
+    assert lacks in found.err
+    assert page in found.err
+    assert "mend this template" in found.err
+    assert not html.exists()
+
+
 def test_a_target_of_ones_own_is_exported(own):
     """Named by its file, with the filters of the others."""
     (own / "export").mkdir()

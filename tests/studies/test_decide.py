@@ -138,3 +138,93 @@ def test_the_command_answers_and_writes_its_page(tmp_path):
     assert "HG4930 (C)" in page.read_text("utf-8")
     assert document["purchases"][0]["chosen"] == "HG4930 (C)"
     assert call("decide", need, "stim300#5g").code == 1
+
+
+def judged(limits, **more):
+    """Return a requirement on both triads."""
+    return (
+        {"name": "need", "environment": "none", "age": "0 s"}
+        | more
+        | {
+            "reference": "next_turn_on",
+            "limits": limits,
+        }
+    )
+
+
+def test_limits_kept_together_are_those_of_the_whole_unit():
+    """Each triad alone keeps its own with p, both together do not."""
+    unit = load_device("hg4930#C")
+    joint = {"decision": "joint", "coverage": "95 %"}
+    loose = {"gyro": {"bias": "30 deg/h"}, "accelerometer": {"bias": "10 mg"}}
+    rows = compare([unit], judged(loose, **joint), method="gum").devices
+    used = {one.sensor: one.utilisation / 0.97 for one in rows}
+    tight = {
+        "gyro": {"bias": f"{30.0 * used['gyro']} deg/h"},
+        "accelerometer": {"bias": f"{10.0 * used['accelerometer']} mg"},
+    }
+    need = judged(tight, **joint)
+    found = compare([unit], need, method="gum")
+    (purchase,) = decide([unit], need).purchases
+
+    assert {one.verdict for one in found.devices} == {"meets"}
+    assert found.imus[0].verdict == "fails"
+    assert purchase.chosen is None
+    assert purchase.offers[0].verdict == "fails"
+
+
+def test_what_nobody_can_judge_is_not_bought():
+    """A gyro alone meets its limits; those on the accelerometer stay unjudged."""
+    found = decide(["cgys30cj3#A", "adxrs453"], EDGE)
+    gyros = decide(["stim202"], judged({"gyro": {"bias": "1000 deg/h"}}))
+
+    assert found.verdict in {"fails", "undecidable"}
+    assert gyros.not_compared == ()
+    both = judged({"gyro": {"bias": "1000 deg/h"}, "accelerometer": {"bias": "100 mg"}})
+    left = decide(["stim202"], both)
+    assert left.not_compared == ("accelerometer",)
+    assert [one.chosen for one in left.purchases] == [None]
+    assert not left.is_met
+
+
+def test_a_headline_never_buys_what_is_not_judged(tmp_path):
+    """The terminal names the limits that nobody judged, and the exit code is 1."""
+    need = tmp_path / "need.yaml"
+    need.write_text(
+        "name: need\nenvironment: none\nage: 0 s\nlimits:\n"
+        "  gyro: {bias: 1000 deg/h}\n  accelerometer: {bias: 100 mg}\n",
+        "utf-8",
+    )
+    found = call("decide", str(need), "stim202")
+
+    assert found.code == 1
+    assert "BUY" not in found.out
+    assert_says(found.out, "accelerometer", "not judged")
+
+
+def test_warnings_caps_and_the_rule_of_decision_stand_beside_the_choice(tmp_path):
+    """What a comparison warns of is not lost on the way."""
+    need = tmp_path / "need.yaml"
+    need.write_text(
+        "name: need\nenvironment: none\nage: 0 s\ndecision: each\n"
+        "caps: {mass: 100 g}\nlimits:\n  gyro: {bias: 100 deg/h}\n",
+        "utf-8",
+    )
+    found = call("decide", str(need), "hg4930#C")
+    study = decide(["hg4930#C"], str(need))
+
+    for text in study.warnings:
+        assert_says(found.out, *str(text).split()[:4])
+    assert_says(found.out, "each limit alone, at 95 % coverage", "140 grams", "100 g")
+
+
+def test_a_test_that_age_does_not_reach_says_so():
+    """Errors at the test itself do not age, and the sheet is not blamed for it."""
+    device = load_device("hg4930#C").replace(
+        {"gyro.ageing": {"value": "4 deg/h", "horizon": "1 year"}}
+    )
+    need = judged({"gyro": {"bias": "100 deg/h"}}) | {"reference": "as_tested"}
+    (purchase,) = decide([device], need).purchases
+
+    assert purchase.is_aged
+    assert purchase.recalibrations == ()

@@ -23,7 +23,6 @@ from budget.report.analysis.verdict import (
     rank_contributions,
 )
 from budget.report.analysis.what_if import what_if_section
-from budget.report.blocks import Document, Section
 from budget.report.document import to_json
 from budget.report.figures.contributions import correlation_chart
 from budget.report.figures.density import density_picture
@@ -53,7 +52,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.records import Device, Procedure
     from budget.report.analysis.what_if import AnalyzeAgain
-    from budget.report.blocks import Picture
+    from budget.report.blocks import Document, Picture, Section
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
@@ -174,22 +173,13 @@ def report_document(
         ],
         made=made,
     )
-    cards = found.cards
     if carried is not None and carried.assessment is None:
-        cards = (*cards, mission_card(carried))
-    return Document(
-        kind="report",
-        **vars(replace(found, cards=cards)),
-        json=to_json(
-            budget,
-            {
-                "one_at_a_time": [row.to_dict() for row in rows],
-                **{extra.key: extra.content for extra in extras},
-            },
-        ),
-        date=date,
-        version=__version__,
-    )
+        found = replace(found, cards=(*found.cards, mission_card(carried)))
+    further = {
+        "one_at_a_time": [row.to_dict() for row in rows],
+        **{extra.key: extra.content for extra in extras},
+    }
+    return found.whole("report", json=to_json(budget, further), date=date)
 
 
 def _trials(budget: Budget, evidence: Evidence) -> Trials:

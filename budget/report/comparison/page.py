@@ -74,18 +74,7 @@ def comparison_document(
         version=__version__,
         command_line=command_line,
     )
-    return Document(
-        kind="comparison",
-        title=page.title,
-        facts=page.facts,
-        headline=page.headline,
-        summary=page.summary,
-        cards=page.cards,
-        sections=(*page.sections, provenance),
-        json=to_json(comparison),
-        date=date,
-        version=__version__,
-    )
+    return page.whole("comparison", provenance, json=to_json(comparison), date=date)
 
 
 def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:

@@ -98,11 +98,6 @@ class Ranking:
         }
 
 
-def what_is_judged(sensor: str) -> str:
-    """Name a triad, both together, or the mission."""
-    return line("comparison_parts", "judged", sensor=sensor)
-
-
 def rankings(
     comparison: Comparison, *, order: Callable[[Row], Any] | None = None
 ) -> tuple[Ranking, ...]:

@@ -108,7 +108,7 @@ def pair_up(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, ..
     """
     whole = {(row.procedure, row.place): row for row in rows if row.sensor == IMU}
     found = [
-        _pair(
+        as_one(
             (gyro, other, *([shared] if gyro.place == other.place and shared else [])),
             is_shared=is_shared,
         )
@@ -144,7 +144,7 @@ def rank_imus(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, 
     for (procedure, _), parts in both.items():
         if IMU in parts or len(parts) > 1:
             own = [parts[kind] for kind in (*SENSORS, IMU) if kind in parts]
-            one = _Imu(pair=_pair(own, is_shared=is_shared), parts=tuple(own))
+            one = _Imu(pair=as_one(own, is_shared=is_shared), parts=tuple(own))
             lists.setdefault(procedure, []).append(one)
     ranked: list[Pair] = []
     for found in lists.values():
@@ -186,8 +186,11 @@ class _Imu:
         )
 
 
-def _pair(parts: Sequence[DeviceVerdict], *, is_shared: bool) -> Pair:
-    """Put a gyro and an accelerometer together, and what belongs to both."""
+def as_one(parts: Sequence[DeviceVerdict], *, is_shared: bool) -> Pair:
+    """Put a gyro and an accelerometer together, and what belongs to both.
+
+    Where limits `is_shared` by both nobody knows whether those of two devices meet.
+    """
     worst = max(parts, key=lambda one: settle(one.utilisation))
     standing = parts[0].standing
     for one in parts[1:]:
