@@ -37,7 +37,7 @@ from budget import names
 from budget.errors import CallError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
 
 ENGLISH = "en"
@@ -99,6 +99,14 @@ class Note(str):
 def note(text: str, /, **parts: object) -> Note:
     """Write a template in English, to be said later."""
     return Note(text, parts)
+
+
+def listed(texts: Sequence[str]) -> str:
+    """Write words as a sentence lists them: 'a, b and c'."""
+    *most, last = texts
+    if not most:
+        return last
+    return say("{most} and {last}", most=say(", ").join(most), last=last)
 
 
 def term(text: str) -> str:

@@ -19,6 +19,7 @@ from budget.language import (
     Note,
     key_title,
     line_title,
+    listed,
     say,
     speaking,
     spoken,
@@ -158,10 +159,7 @@ def _shipped(page: str, name: str) -> Template:
 @cache
 def environment_of(_: Path | None) -> SandboxedEnvironment:
     """Return what fills sentences in; they are text, and no value is escaped."""
-    environment = template_environment(finalize=_plain, extensions=["jinja2.ext.i18n"])
-    environment.policies["ext.i18n.trimmed"] = True
-    environment.newstyle_gettext = True  # type: ignore[attr-defined]
-    environment.globals |= {"gettext": _said, "ngettext": _counted}
+    environment = translating(_said, finalize=_plain)
     environment.filters |= {
         "said": say,
         "words": words,
@@ -172,8 +170,28 @@ def environment_of(_: Path | None) -> SandboxedEnvironment:
         "row": _row,
         "thousands": lambda count: f"{count:,}".replace(",", " "),
         "commas": _commas,
-        "listed": _listed,
+        "listed": lambda texts: listed([str(_plain(one)) for one in texts]),
     }
+    return environment
+
+
+def translating(
+    said: Callable[..., Markup], *extensions: object, finalize: Callable[..., Markup]
+) -> SandboxedEnvironment:
+    """Return what fills templates in, with sentences said in the language spoken.
+
+    `said` fills a message of Jinja2 in, of one thing or of another number of them.
+    """
+
+    def counted(one: str, many: str, number: int, /, **parts: object) -> Markup:
+        return said(one if number == 1 else many, **parts)
+
+    environment = template_environment(
+        finalize=finalize, extensions=["jinja2.ext.i18n", *extensions]
+    )
+    environment.policies["ext.i18n.trimmed"] = True
+    environment.newstyle_gettext = True  # type: ignore[attr-defined]
+    environment.globals |= {"gettext": said, "ngettext": counted}
     return environment
 
 
@@ -189,11 +207,6 @@ def _said(message: str, **parts: object) -> Markup:
     return Markup(re.sub(r"\{(\w+)\}", lambda one: found[one[1]], said))  # noqa: S704 - text, no HTML
 
 
-def _counted(one: str, many: str, number: int, **parts: object) -> Markup:
-    """Say the sentence for one thing, or that for another number of them."""
-    return _said(one if number == 1 else many, **parts)
-
-
 def _each(records: Iterable[Any], write: Callable[[Any], str]) -> list[str]:
     """Return what a macro writes of each record."""
     return [write(one) for one in records]
@@ -207,9 +220,3 @@ def _row(texts: Iterable[object]) -> str:
 def _commas(texts: Iterable[object], mark: str = ", ") -> str:
     """Put texts in a row, with a mark of the language between them."""
     return say(mark).join(str(_plain(one)) for one in texts)
-
-
-def _listed(texts: Iterable[object]) -> str:
-    """Write words as a sentence lists them: 'a, b and c'."""
-    *most, last = [str(_plain(one)) for one in texts]
-    return say("{most} and {last}", most=_commas(most), last=last) if most else last

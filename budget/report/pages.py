@@ -80,8 +80,8 @@ from budget.report.writing import (
     marked,
     shown,
 )
-from budget.resources import own_templates, telling, template_environment
-from budget.sentences import PAGE, message_key, module_of
+from budget.resources import own_templates, telling
+from budget.sentences import PAGE, message_key, module_of, translating
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -99,8 +99,9 @@ if TYPE_CHECKING:
     Object = Block | Math | Section  # what is made elsewhere
 
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
-_NAMED = re.compile(r"\s*\{:([\w-]+)((?: \w+)*)\}$")
-_HEAD = re.compile(r"^(.*?)(\?)?(?:\{([\w. ]+)\})?$", re.DOTALL)
+# At the end of a title, and of a head, as the page has them: a value has them hidden.
+_NAMED = re.compile(r"\s*\{:([^\s{}]+)((?: \w+)*)\}$")
+_HEAD = re.compile(r"(\?)?(?:\{([\w. ]+)\})?$")
 # What Markdown reads, or a mark, in words that a template has printed.
 _READ = re.compile(
     rf"[*\\`$|#>{EXACT}{OBJECT}{BENEATH}{BAR}]|^\s*(?:[-+]|\d+[.)])", re.MULTILINE
@@ -424,8 +425,7 @@ def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
 
 def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
     """Return a column, and whether it goes where nothing stands in it."""
-    found = _HEAD.match(_text(node))
-    text, mark, more = found.groups() if found else ("", None, None)
+    text, (mark, more) = _ended_by(_HEAD, node)
     align = str(node.attrs.get("style", "")).removeprefix("text-align:")
     column = Column(head=text, kind=KINDS.get(align, "text"))
     for one in (more or "").split():
@@ -460,11 +460,21 @@ def _cell(node: SyntaxTreeNode) -> Cell:
 
 def _named(node: SyntaxTreeNode | None) -> tuple[str, str, set[str]]:
     """Return a title or caption, its name and what else stands in its braces."""
-    text = "" if node is None else _text(node)
-    found = _NAMED.search(text)
+    if node is None:
+        return "", "", set()
+    text, (name, how) = _ended_by(_NAMED, node)
+    return text, shown(name or ""), set((how or "").split())
+
+
+def _ended_by(
+    pattern: re.Pattern[str], node: SyntaxTreeNode
+) -> tuple[str, tuple[str | None, ...]]:
+    """Return words without what a page has put behind them, and the groups of that."""
+    text, raw = _text(node), _raw(node)
+    found = pattern.search(raw)
     if found is None:
-        return text, "", set()
-    return text[: found.start()], found[1], set(found[2].split())
+        return text, (None,) * pattern.groups
+    return text[: len(text) - len(found[0])], found.groups()
 
 
 def _text(node: SyntaxTreeNode) -> str:
@@ -545,14 +555,8 @@ def _environment_of(_: Path | None) -> SandboxedEnvironment:
         def preprocess(self, source: str, *_: object) -> str:
             return "\n".join(map(_ended, source.split("\n")))
 
-    environment = template_environment(
-        finalize=marked, extensions=["jinja2.ext.i18n", Lines]
-    )
-    environment.policies["ext.i18n.trimmed"] = True
-    environment.newstyle_gettext = True  # type: ignore[attr-defined]
+    environment = translating(_said, Lines, finalize=marked)
     environment.globals |= {
-        "gettext": _said,
-        "ngettext": _counted,
         "block": _block,
         "sections": _made,
         "abreast": _abreast,
@@ -596,11 +600,6 @@ def _said(message: str, /, **parts: object) -> Marked:
 def _part(value: object) -> str:
     """Return a part of a sentence."""
     return marked(value).strip() if isinstance(value, Markup) else marked(value)
-
-
-def _counted(one: str, many: str, number: int, /, **parts: object) -> Marked:
-    """Say the sentence for one thing, or that for another number of them."""
-    return _said(one if number == 1 else many, **parts)
 
 
 def _block(value: Object) -> Marked:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from budget.language import Note, say
 from budget.names import Name
 from budget.report.pages import blocks, line, lines
-from budget.report.writing import VERDICTS, capital, listed
+from budget.report.writing import VERDICTS, capital
 from budget.studies.verdicts import USE_OF
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ __all__ = [
     "deciding_lines",
     "doubt_sentence",
     "error_reference",
-    "listed",
     "mode_remark",
     "mode_sentence",
     "not_given_lines",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from budget.inputs.records import ANGLES, AXES
-from budget.language import Note, key_title, say, term, words
+from budget.language import Note, key_title, listed, say, term, words
 from budget.names import by_group, time_text
 from budget.report.tables import (
     DASH,
@@ -39,7 +39,7 @@ from budget.report.tables import (
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping
 
     from budget.arrays import Array
     from budget.report.tables import Number
@@ -133,14 +133,6 @@ def shown(text: str) -> str:
 def capital(text: str) -> str:
     """Begin a text with a capital; the rest stays as it is."""
     return text[:1].upper() + text[1:]
-
-
-def listed(texts: Sequence[str]) -> str:
-    """Write words as a sentence lists them: 'a, b and c'."""
-    *most, last = texts
-    if not most:
-        return last
-    return say("{most} and {last}", most=say(", ").join(most), last=last)
 
 
 def _rounded(number: Number | None, unit: str = "") -> str:

@@ -221,6 +221,23 @@ def test_a_page_of_one_paragraph_is_a_line_of_a_file(page):
     assert pages.line("own", x=HOSTILE[0]) == f"One {HOSTILE[0]}. Two."
 
 
+@pytest.mark.parametrize("text", ["a?", "x {2.0}", "x {code}", "x {:y wide}", "?{:a}"])
+def test_no_value_ends_a_title_or_a_head(page, text):
+    """Names, kinds and what goes are of the page: a device may be called so."""
+    (section,) = page(
+        "## {{ x }} {:t first}\n\nTable: {{ x }} {:u wide}\n\n"
+        "| {{ x }} | {{ x }}{1.4} |\n|---|---|\n| | a |\n",
+        x=text,
+    )
+    (table,) = section.blocks
+
+    assert (section.title, section.name, section.on_first_page) == (text, "t", True)
+    assert (table.caption, table.name, table.is_wide) == (text, "u", True)
+    assert [one.head for one in table.columns] == [text, text]
+    assert [one.weight for one in table.columns] == [1.0, 1.4]
+    assert {one.kind for one in table.columns} == {"text"}
+
+
 def test_sentences_are_said_in_the_language_spoken(page):
     """Whole, with their parts where that language wants them; one thing or several."""
     text = (
