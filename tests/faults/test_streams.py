@@ -175,6 +175,7 @@ NAMED = {
     "export": ("export", "{}", "adxl357", "--to", "ros", "--rate", "100"),
     "compare": ("compare", "{}", *GRADE, *GUM),
     "compare json": ("compare", "{}", *GRADE, *GUM, "--json", "-"),
+    "decide": ("decide", "catalogue-edge", "{}"),
     "devices": ("devices", "{}"),
     "devices json": ("devices", "{}", "--json", "-"),
     "validate": ("validate", "{}"),
@@ -194,8 +195,10 @@ def test_names_beyond_ascii_in_any_locale(locale, tmp_path):
         start = runner(name, cold={"analyze json"})
         outcome = start(*words, folder=tmp_path, **LOCALES[locale])
         said(outcome)
-        wanted = {"validate missing": 2, "compare": 1, "compare json": 1, "allocate": 1}
-        wanted = wanted.get(name, 0)  # it lacks lines: nothing meets without conditions
+        wanted = dict.fromkeys(("compare", "compare json", "allocate", "decide"), 1)
+        wanted = ({"validate missing": 2} | wanted).get(
+            name, 0
+        )  # it lacks lines: nothing meets without conditions
         assert outcome.returncode == wanted, (name, outcome.stderr)
         if name.endswith("json"):
             encoding = "latin-1" if locale == "Latin-1" else "utf-8"
