@@ -15,6 +15,7 @@ from budget.references.quantities import (
     _leaves,
     _Place,
 )
+from budget.report.schema import results_schema
 
 LIMITS = [("requirement", "navigation-grade")]
 # A second triad of which no error line is given: nothing is known of it.
@@ -143,3 +144,38 @@ def test_what_is_derived_is_sampled_as_well(tmp_path):
             == (quantity, "gyro.rotation.x")
         )
         assert one.standard_error > 0.0
+
+
+SCHEMA = results_schema()
+
+
+def objects(node):
+    """Yield the objects that a part of the schema may be, of a list its items."""
+    if "$ref" in node:
+        yield from objects(SCHEMA["$defs"][node["$ref"].rpartition("/")[2]])
+    elif "properties" in node:
+        yield node["properties"]
+    for one in (*node.get("anyOf", ()), *filter(None, [node.get("items")])):
+        yield from objects(one) if isinstance(one, dict) else ()
+
+
+def has(node, steps):
+    """Say whether there is a path below a part of the schema; numbers are places."""
+    if not steps or steps[0].isdecimal():
+        return True
+    first, *rest = steps
+    return any(has(one[first], rest) for one in objects(node) if first in one)
+
+
+@pytest.mark.parametrize("command", MEANINGS)
+def test_what_is_compared_is_what_a_row_is_of(command):
+    """A key that a form renames or drops is missed here, not in a stored reference."""
+    (root,) = (
+        one
+        for one in SCHEMA["oneOf"]
+        for properties in objects(one)
+        if command in properties.get("command", {}).get("enum", ())
+    )
+
+    assert [one for one in MEANINGS[command] if not has(root, one.split("."))] == []
+    assert not has(root, ["outputs", "none"])
