@@ -305,6 +305,10 @@ MaxTrials = Annotated[
         show_default=False,
     ),
 ]
+Full = Annotated[
+    bool,
+    typer.Option("--full", help="Everything: not the answer alone, all that is known."),
+]
 Sobol = Annotated[
     bool, typer.Option("--sobol", help="Estimate Sobol' indices of the sources too.")
 ]

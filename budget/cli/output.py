@@ -178,6 +178,7 @@ def pages_of(
 # Where results go, on what sheets, and who computes them changes no number.
 WITHOUT_EFFECT = frozenset(
     {"output", "paper", "json", "csv", "workers", "cluster", "accept", "exit_code"}
+    | {"full"}
 )
 # Of these a slash is that of a unit, not of a folder.
 LITERAL = frozenset({"changes", "only", "outputs", "number"})
