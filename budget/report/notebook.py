@@ -132,7 +132,7 @@ def shown_text(found: Shown) -> str:
     from rich.console import Console
 
     text = StringIO()
-    width = min(max(get_terminal_size().columns, LEAST_WIDTH), MOST_WIDTH)
+    width = min(max(get_terminal_size((MOST_WIDTH, 24)).columns, LEAST_WIDTH), MOST_WIDTH)
     console = Console(file=text, width=width, color_system=None, force_jupyter=False)
     print_blocks(_shown(found, WARNINGS), Page(console))
     return text.getvalue().rstrip()

@@ -72,8 +72,8 @@ def sweep(
     procedure, requirement, seed
         As of `analyze`.
     outputs : sequence of str
-        As of `analyze`; of a mission names as `budget[...]` takes them, or what those of
-        several begin or end with: 'mission.position.horizontal'. All, if none is given.
+        As of `analyze`; of a mission names as `budget[...]` takes them, or what
+        several of them begin or end with: 'mission.position.horizontal'.
     calibration, station, age, environment, mission, at
         As of `analyze`.
     coverage, reference
