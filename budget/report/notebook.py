@@ -132,7 +132,8 @@ def shown_text(found: Shown) -> str:
     from rich.console import Console
 
     text = StringIO()
-    width = min(max(get_terminal_size((MOST_WIDTH, 24)).columns, LEAST_WIDTH), MOST_WIDTH)
+    room = get_terminal_size((MOST_WIDTH, 0)).columns
+    width = min(max(room, LEAST_WIDTH), MOST_WIDTH)
     console = Console(file=text, width=width, color_system=None, force_jupyter=False)
     print_blocks(_shown(found, WARNINGS), Page(console))
     return text.getvalue().rstrip()
