@@ -51,7 +51,10 @@ LONGEST_WORD = 4096  # characters of an argument: no path that can be opened is 
 # without touching it, and for pages what draws them; each a tenth more [byte].
 LEAST_SPACE = 480 * 1024**2
 SPACE_OF_PAGES = 800 * 1024**2
-WITH_PAGES = ("report", "compare", "decide", "paper")
+WITH_PAGES = (
+    *("report", "compare", "decide", "paper"),
+    *("allocate", "mission", "station", "check"),
+)
 GARBAGE = 100_000  # new objects before circles among them are looked for
 DETAILS = "BUDGET_TRACEBACK"  # environment variable: print where a fault arose
 ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}

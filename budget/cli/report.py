@@ -260,18 +260,12 @@ def _again(
 def _mission_extra(carried: Budget) -> Extra:
     """Return a mission as a part of the report: its section and its document."""
     from budget.report.analysis.build import Extra
-    from budget.report.analysis.mission import mission_section
-    from budget.studies.mission import curve, drawn_times
-    from budget.studies.request import analysis_of
+    from budget.report.analysis.mission import curve_of, mission_section
 
-    analysis = analysis_of(carried)
-    asked = sorted({row.output.name.time or 0.0 for row in carried.outputs})
-    times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
-    found = curve(analysis, times)
     return Extra(
         key="mission",
         content=carried.to_dict(),
-        sections=(mission_section(carried, found),),
+        sections=(mission_section(carried, curve_of(carried)),),
         inputs=carried.inputs,
         warnings=carried.warnings,
         carried=carried,
