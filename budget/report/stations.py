@@ -46,9 +46,15 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Document, Section
-    from budget.studies.stations import Qualification, StationOutput, StationVerdict
+    from budget.studies.stations import (
+        Qualification,
+        StationFigure,
+        StationOutput,
+        StationVerdict,
+    )
 
 ANY = "any"
+SHOWN = 1e-3  # of the part of a limit: a figure that takes less has no bar [1]
 COMMAND = "budget station"
 PER_CENT = 100.0
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
@@ -106,7 +112,7 @@ def figures_chart(found: Qualification) -> Chart | None:
     None where there is no such station, or hardly a figure of it takes anything.
     """
     used = [row.takes_now or 0.0 for row in found.figures]
-    rows = [found.figures[k] for k in from_largest(used) if used[k] > 0.0]
+    rows = [found.figures[k] for k in from_largest(used) if used[k] >= SHOWN]
     if len(rows) < LEAST_ROWS:
         return None
     said = partial(line, "figures_station", ratio=found.ratio)
@@ -122,7 +128,7 @@ def figures_chart(found: Qualification) -> Chart | None:
     bars = tuple(
         Row(
             label=source_title(row.source),
-            marks=(Bar(start=low, end=part, colour=look_of(row.source)[0]),),
+            marks=(_bar(row, low, part),),
             beside=(said("used", row=row),),
             strong=settle(part) > PER_CENT,
             said=said("said", row=row),
@@ -135,6 +141,12 @@ def figures_chart(found: Qualification) -> Chart | None:
         sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=bars),)),)),),
         caption=said("caption"),
     )
+
+
+def _bar(row: StationFigure, start: float, end: float) -> Bar:
+    """Return the bar of a figure, in the look of its source."""
+    colour, hatch, _ = look_of(row.source)
+    return Bar(start=start, end=end, colour=colour, hatch=hatch, edge_width=0.4)
 
 
 def print_ratio(ratio: float) -> str:

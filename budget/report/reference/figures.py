@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from budget.report.answers import LEAST_ROWS, decades
 from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
-from budget.report.figures.style import WIDE
 from budget.report.pages import line
 
 if TYPE_CHECKING:
@@ -59,5 +58,4 @@ def moves_chart(moved: Sequence[tuple[str, Sequence[Moved]]]) -> Chart | None:
         title=said("title", name=name, row=row),
         sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
         caption=said("caption"),
-        width=WIDE,
     )
