@@ -8,7 +8,8 @@ from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION
 from budget.report.analysis.groups import rest_sections, verdict_sections
-from budget.report.blocks import Abreast, Card, ForPages, Paragraph
+from budget.report.analysis.verdict import answer_rows
+from budget.report.blocks import Abreast, Card, Paragraph
 from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
 from budget.report.inputs import inputs_section, print_degrees
@@ -25,7 +26,7 @@ from budget.report.mission import (
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
-from budget.report.tables import full_title, of_the_variance
+from budget.report.tables import full_title, of_the_variance, print_coverage
 from budget.report.wording import standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
@@ -34,14 +35,12 @@ from budget.studies.verdicts import calibration_words
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-    from budget.report.blocks import Block, Document, Section
+    from budget.report.blocks import Block, Document, Picture, Section
     from budget.results import Assessment, Budget
-    from budget.studies.mission import Curve
 
 COMMAND = "budget mission"
-POSITION = "mission-position"  # the table of page one
 SPANS = 3  # of an aid, which are shown
 NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
 
@@ -61,11 +60,10 @@ def _conditions(assessment: Assessment) -> Iterator[Block]:
         yield from standing_blocks(sensor.standing)
 
 
-def mission_section(budget: Budget, found: Curve | None = None) -> Section:
+def mission_section(budget: Budget, figures: Sequence[Picture] = ()) -> Section:
     """Return a mission in a report: finding, tables, figures, method."""
-    limits = () if budget.assessment is None else budget.assessment.outputs
-    drawn = ForPages(lambda: () if found is None else growth_pictures(found, limits))
-    (section,) = _page("mission", budget, Abreast(blocks=(drawn,)))
+    drawn = Abreast(blocks=tuple(figures)) if figures else None
+    (section,) = _page("mission", budget, drawn)
     return section
 
 
@@ -74,15 +72,9 @@ def mission_document(
 ) -> Document:
     """Put a mission into one document: the finding, errors, what they rest on."""
     analysis, assessment = analysis_of(budget), budget.assessment
-    limits = () if assessment is None else assessment.outputs
     (section,) = _page("mission", budget, Abreast(blocks=()))
     on_top = [*mission_card(budget).lines]
-    (table,) = (one for one in section.blocks if getattr(one, "name", "") == POSITION)
-    below = [
-        one
-        for one in section.blocks
-        if one is not table and getattr(one, "words", None) not in on_top
-    ]
+    below = [one for one in section.blocks if getattr(one, "words", 0) not in on_top]
     found = document(
         "mission_page",
         **_view(budget),
@@ -90,8 +82,9 @@ def mission_document(
         assessment=assessment,
         degrees=print_degrees,
         limits=assessment and next(mission_limits(budget, assessment)),
-        table=table,
-        pictures=growth_pictures(curve_of(budget), limits),
+        rows=answer_rows(budget, (), assessment, budget),
+        coverage=print_coverage(budget.settings.coverage),
+        pictures=mission_figures(budget),
         below=below,
         rest=[one for one in rest_sections(budget) if one.blocks],
     )
@@ -110,12 +103,13 @@ def mission_document(
     )
 
 
-def curve_of(budget: Budget) -> Curve:
-    """Return how the errors of a mission grow, drawn at the times that were asked."""
+def mission_figures(budget: Budget) -> tuple[Picture, ...]:
+    """Return the figures of a mission, that of page one first; () if none varies."""
     analysis = analysis_of(budget)
     asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
     times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
-    return curve(analysis, times)
+    limits = () if budget.assessment is None else budget.assessment.outputs
+    return growth_pictures(curve(analysis, times), limits)
 
 
 def mission_card(budget: Budget) -> Card:
