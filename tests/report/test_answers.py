@@ -29,7 +29,7 @@ FILES = {
 CALLS = {
     "mission": (
         ("mission", "hostile.yaml", "--mission", "outage-10-s", "--no-validate"),
-        (0, "mission-contributions"),
+        (0, "mission-position"),
     ),
     "allocation": (
         *(("allocate", "hostile.yaml", "--no-validate"), (1, "allocation-gyro")),
