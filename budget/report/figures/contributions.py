@@ -13,11 +13,11 @@ from budget.language import key_title
 from budget.report.figures.rows import Bar, Chart, Group, Head, Panel, Row, Scale, Side
 from budget.report.figures.style import (
     BLUE,
-    GRID,
     HATCH,
     INK,
     MUTED,
     ON_DARK,
+    REST,
     VERMILION,
     WIDE,
     WIDTH,
@@ -202,7 +202,7 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     largest = max(abs(row.low.exact), abs(row.high.exact))
     if has_mean:
         label = said("mean", row=row)
-        rows.append(_step(label, whole, whole + mean, u, (GRID, HATCH, "")))
+        rows.append(_step(label, whole, whole + mean, u, (REST, HATCH, "")))
         text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
         rows.append(_total(said("largest"), largest, text.lstrip("-")))
     limit = critical.limit
@@ -345,7 +345,7 @@ def _cell(x: int, r: float, one: Name, other: Name) -> Bar:
         opacity=opacity,
         height=13.0,
         text=_per_cent(r),
-        text_colour=ON_DARK if opacity == 1.0 and r > 0.0 else INK,
+        text_colour=ON_DARK if opacity == 1.0 else INK,
         tip=said("correlation_tip", one=one, other=other, r=_per_cent(r)),
     )
 

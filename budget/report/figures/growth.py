@@ -13,6 +13,7 @@ from budget.names import LENGTHS, SPANS, time_text
 from budget.report.figures.style import (
     INK,
     PAPER,
+    REST,
     SMALL,
     as_picture,
     house_style,
@@ -268,7 +269,7 @@ def _draw_shares(growth: Growth, title: str) -> Figure:
             x,
             below,
             below + shares,
-            facecolor="#c3c7cc" if source is None else look_of(source)[0],
+            facecolor=REST if source is None else look_of(source)[0],
             edgecolor=PAPER,
             linewidth=0.8,
             hatch="" if source is None or source.owner == "gyro" else "////",

@@ -36,9 +36,11 @@ WIDE = 700.0  # [pt] of two columns and what is between them
 TEXT, SMALL = 9.0, 8.0  # [pt]
 INCH = 72.0  # [pt]
 
-# Okabe and Ito's eight; the ninth source is the second of the scale factor, hatched.
-ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
-BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#D55E00", "#CC79A7", "#000000"
+# The eight hues of Okabe and Ito, seven at lightnesses 12 % apart in grey, so chosen
+# that each has a contrast of 3:1 to a light paper and to a dark one. Black turns with
+# the paper. The ninth source is the second of the scale factor, hatched.
+ORANGE, SKY, GREEN, YELLOW = "#A77201", "#078DC5", "#009E73", "#A0970A"
+BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#AA4A01", "#B3548B", "#000000"
 INKS = {
     "orange": ORANGE,
     "sky": SKY,
@@ -50,8 +52,9 @@ INKS = {
     "black": BLACK,
 }
 ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
-DARK = ("blue", "black")
+DARK = ("blue", "vermilion", "purple", "black")
 HATCH = "////"
+REST = "#8e949c"  # of what has no look of its own
 OTHER = Name("other")
 # Of station and environment, in the order of the table: every ink, hatch by hatch.
 SHARED = {
@@ -79,8 +82,8 @@ STYLES = {  # source: (colour, hatch, colour of text), in the order of the segme
         for source in SOURCES
         if source.may_vary
     },
-    INTERACTION: ("#9aa0a6", "xxxx", ""),
-    OTHER: ("#c3c7cc", "", ON_LIGHT),
+    INTERACTION: (REST, "xxxx", ""),
+    OTHER: (REST, "", ON_LIGHT),
 }
 STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
     "svg.fonttype": "none",

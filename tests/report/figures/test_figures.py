@@ -49,9 +49,18 @@ from budget.report.figures.sources import (
     share_chart,
     sobol_chart,
 )
-from budget.report.figures.style import BLUE, INK, ON_DARK, STYLES, to_svg
+from budget.report.figures.style import (
+    BLACK,
+    BLUE,
+    INK,
+    INKS,
+    ON_DARK,
+    STYLES,
+    to_svg,
+)
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
+from budget.resources import template_file
 
 BIAS = 2  # place of the gyro bias among the groups
 BOTH = ("gyro", "accelerometer")
@@ -574,3 +583,32 @@ def test_names_and_numbers_have_the_room_that_they_need(figure, long):
 
     assert cut_texts(drawn) == []
     assert (long in texts(drawn)) == (len(long) < 80)
+
+
+def page_inks(is_dark):
+    """Return the colours of the style sheet, by their names."""
+    sheet = template_file("page.css").read_text(encoding="utf-8")
+    light, dark = sheet.split("@media (prefers-color-scheme: dark)", 1)
+    found = dict(re.findall(r"(--[\w]+): (#[0-9a-f]{6})", light.split("}")[0]))
+    if is_dark:
+        found |= dict(re.findall(r"(--[\w]+): (#[0-9a-f]{6})", dark.split("}")[0]))
+    return found
+
+
+@pytest.mark.parametrize("is_dark", [False, True])
+def test_every_source_stands_out_from_the_paper(is_dark):
+    """Colours have a contrast of 3:1 to both papers, and texts one of 4.5:1 to them."""
+    inks = page_inks(is_dark)
+    for name, (colour, _, ink) in STYLES.items():
+        shade = rgb(inks["--black"] if colour == BLACK else colour)
+
+        assert contrast(shade, rgb(inks["--paper"])) >= 3.0, name
+        assert not ink or contrast(shade, rgb(ink)) >= 4.5, name
+
+
+def test_colours_are_told_apart_in_grey():
+    """No two inks have one lightness: a copy in grey keeps them apart."""
+    every = sorted(INKS.values(), key=lambda one: contrast(rgb(one), rgb(BLACK)))
+
+    for one, other in pairwise(every):
+        assert contrast(rgb(one), rgb(other)) > 1.08
