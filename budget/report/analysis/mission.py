@@ -10,6 +10,7 @@ from budget.names import MISSION
 from budget.report.analysis.groups import rest_sections, verdict_sections
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph
 from budget.report.figures.growth import growth_pictures
+from budget.report.figures.track import Way, track_picture
 from budget.report.mission import (
     PLANE,
     bought,
@@ -31,7 +32,7 @@ from budget.studies.verdicts import calibration_words
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from budget.report.blocks import Block, Section
+    from budget.report.blocks import Block, Picture, Section
     from budget.results import Assessment, Budget
     from budget.studies.mission import Curve
 
@@ -56,10 +57,27 @@ def _conditions(assessment: Assessment) -> Iterator[Block]:
 
 def mission_section(budget: Budget, found: Curve | None = None) -> Section:
     """Return a mission in a report: finding, tables, figures, method."""
-    limits = () if budget.assessment is None else budget.assessment.outputs
-    drawn = ForPages(lambda: () if found is None else growth_pictures(found, limits))
+    drawn = ForPages(lambda: () if found is None else tuple(_drawn(budget, found)))
     (section,) = _page("mission", budget, Abreast(blocks=(drawn,)))
     return section
+
+
+def _drawn(budget: Budget, found: Curve) -> Iterator[Picture]:
+    """Yield the errors of a mission over time, and where they are."""
+    limits = () if budget.assessment is None else budget.assessment.outputs
+    yield from growth_pictures(found, limits)
+    way = way_with_errors(budget, found)
+    if way is not None:
+        yield track_picture(way)
+
+
+def way_with_errors(budget: Budget, found: Curve) -> Way | None:
+    """Return the track of a mission with ellipses at the times that are asked for."""
+    journey = analysis_of(budget).journey
+    if journey is None:
+        return None
+    times = [one.time for one in by_time(budget)]
+    return Way.of(journey.route, found, times, budget.settings.coverage)
 
 
 def mission_card(budget: Budget) -> Card:

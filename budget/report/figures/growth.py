@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 # Heights of the errors, of the strip of shares, and what is around them [pt].
 ABOVE, ERRORS, BETWEEN, STRIP, BELOW = 12.0, 140.0, 12.0, 104.0, 34.0
-LEFT, RIGHT = 52.0, 108.0  # [pt]
+LEFT, RIGHT = 64.0, 106.0  # [pt]
 SHOWN = 4  # sources with an area of their own
 LEAST = 0.02  # of the variance at any time, to be one of them [1]
 REACH = 1e7  # of the vertical axis: below the largest by more nothing is seen [1]

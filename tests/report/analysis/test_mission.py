@@ -168,7 +168,7 @@ def test_the_section_has_tables_and_both_figures(language):
         "mission-motion",
         "mission-contributions",
     ]
-    assert [one.name for one in pictures] == ["mission-growth"]
+    assert [one.name for one in pictures] == ["mission-growth", "mission-track"]
 
 
 def test_shares_of_the_table_are_those_of_the_law():
