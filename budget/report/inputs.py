@@ -10,6 +10,8 @@ from budget.calibration.mission import on_the_way
 from budget.inputs.station import IDEAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
+from budget.report.blocks import Abreast, ForPages
+from budget.report.figures.allan import Allan, allan_picture
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
     made_of,
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
-    from budget.report.blocks import Section
+    from budget.report.blocks import Picture, Section
     from budget.studies.blunders import Blunder, Offset
 
 
@@ -57,9 +59,15 @@ class DataSheet:
 
 def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     """Return every value that the budget is made of, and those that it is not."""
+    triads = [
+        sensor
+        for device in devices
+        for sensor in on_the_way(device.sensors, procedure)[0]
+    ]
     (section,) = sections(
         "inputs",
         devices=devices,
+        drawn=Abreast(blocks=(ForPages(lambda: noise_pictures(triads, procedure)),)),
         sheets=[
             data_sheet(sensor, device.assumptions)
             for device in devices
@@ -75,6 +83,14 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
         ],
     )
     return section
+
+
+def noise_pictures(
+    sensors: Sequence[Sensor], procedure: Procedure
+) -> tuple[Picture, ...]:
+    """Show the noise of triads by averaging time, of those whose sheet gives any."""
+    found = (Allan.of(sensor, procedure) for sensor in sensors)
+    return tuple(allan_picture(one) for one in found if one is not None)
 
 
 def data_sheet(sensor: Sensor, assumptions: Sequence[str] = ()) -> DataSheet:

@@ -12,10 +12,10 @@ import numpy as np
 from budget.language import say
 from budget.model.source import ACCELEROMETER
 from budget.names import LENGTHS, MISSION, SPANS, time_text
+from budget.report.figures.lines import name_lines, on_paper
 from budget.report.figures.style import (
     GRID,
     HATCH,
-    INCH,
     INK,
     MUTED,
     OTHER,
@@ -27,7 +27,6 @@ from budget.report.figures.style import (
     blank,
     house_style,
     look_of,
-    write,
 )
 from budget.report.pages import blocks, line
 from budget.report.tables import UNITS, full_title, length, round_uncertainty, unit_for
@@ -64,7 +63,6 @@ TICKS = (  # [s]
 TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
 MOST_TICKS = 6  # of an even axis of times
 AIDED = "#e4e8ed"  # of the times with aids
-APART = 10.5  # lines of names beside an axis [pt]
 PLANE = ("position", LENGTHS["position"])
 said = partial(line, "figures_growth")
 
@@ -295,10 +293,8 @@ def _draw_errors(
         )
         is_early = at[0] < sum(axes.get_xlim()) / 2.0
         ends = (8.0, "left") if is_early else (-8.0, "right")
-        _on_paper(axes, row.printed_limit, at, (ends[0], 0.0), ha=ends[1])
-    _name_lines(
-        axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()]
-    )
+        on_paper(axes, row.printed_limit, at, (ends[0], 0.0), ha=ends[1])
+    name_lines(axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()])
     _size_ticks(axes, growth.error[0])
 
 
@@ -331,52 +327,9 @@ def _draw_shares(axes: Axes, growth: Growth) -> None:
         elif shares[peak] >= 100.0 * AREA:
             inner = max(peak, x.size // 8)
             place, middle = float(x[inner]), float((below + shares / 2.0)[inner])
-            _on_paper(axes, name, (place, middle), (0.0, 0.0))
+            on_paper(axes, name, (place, middle), (0.0, 0.0))
         below = below + shares
-    _name_lines(axes, names)
-
-
-def _name_lines(axes: Axes, names: Sequence[tuple[float, str]]) -> None:
-    """Write names beside the ends of lines, apart from one another."""
-    room = axes.bbox.height * INCH / axes.figure.dpi
-
-    def place(value: float) -> float:
-        to_axes = axes.transData + axes.transAxes.inverted()
-        return room * float(to_axes.transform((axes.get_xlim()[1], value))[1])
-
-    ranked = sorted(((place(v), _folded(text)) for v, text in names), reverse=True)
-    half = [APART * (1 + text.count("\n")) / 2.0 for _, text in ranked]
-    at = [min(y, room) for y, _ in ranked]
-    for k in range(1, len(at)):
-        at[k] = min(at[k], at[k - 1] - half[k - 1] - half[k])
-    if at and at[-1] < 0.0:  # push up from below
-        at[-1] = 0.0
-        for k in range(len(at) - 2, -1, -1):
-            at[k] = max(at[k], at[k + 1] + half[k] + half[k + 1])
-    for y, (_, text) in zip(at, ranked, strict=True):
-        write(
-            axes,
-            text,
-            (1.0, y / room),
-            (5.0, 0.0),
-            va="center",
-            coords=("axes fraction", "axes fraction"),
-        )
-
-
-FOLD = 18  # characters of a name in a line beside a figure
-
-
-def _folded(text: str) -> str:
-    """Break a long name in two lines."""
-    if len(text) <= FOLD or " " not in text:
-        return text
-    words = text.split(" ")
-    cuts = range(1, len(words))
-    best = min(
-        cuts, key=lambda k: max(len(" ".join(words[:k])), len(" ".join(words[k:])))
-    )
-    return "\n".join((" ".join(words[:best]), " ".join(words[best:])))
+    name_lines(axes, names)
 
 
 def _across(axes: Axes, curve: Curve) -> None:
@@ -429,25 +382,3 @@ DECADES = {
     "velocity": (("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-3)),
     "attitude": (("deg", DEGREE),),
 }
-
-
-def _on_paper(
-    axes: Axes,
-    text: str,
-    at: tuple[float, float],
-    shift: tuple[float, float],
-    *,
-    ha: str = "left",
-) -> None:
-    """Write a text over lines or areas, on paper of its own."""
-    axes.annotate(
-        text,
-        at,
-        xytext=shift,
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        ha=ha,
-        va="center",
-        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
-    )
