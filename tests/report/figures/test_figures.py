@@ -45,6 +45,7 @@ from budget.report.figures.rows import Chart, chart_picture, draw
 from budget.report.figures.sources import (
     STEPS,
     coupling_chart,
+    group_shares_chart,
     print_part,
     share_chart,
     sobol_chart,
@@ -55,7 +56,9 @@ from budget.report.figures.style import (
     INK,
     INKS,
     ON_DARK,
+    REST,
     STYLES,
+    in_order,
     to_svg,
 )
 from budget.report.figures.timeline import schedule_chart
@@ -134,6 +137,46 @@ def test_sources_below_one_per_cent_are_gathered():
 
     assert len(widths(draw(share_chart(group)))) == 2
     assert "other 0.9 %" in share_chart(group).alt
+
+
+def test_each_group_has_a_bar_of_its_whole_variance():
+    """Its segments add up to 100 %; a source keeps colour and place in all bars."""
+    budget = make_budget()
+    chart = group_shares_chart(budget)
+    rows = chart.groups[0].rows
+
+    assert [row.label for row in rows] == [one.title for one in group_tables(budget)]
+    for row, group in zip(rows, group_tables(budget), strict=True):
+        assert row.marks[0].start == 0.0
+        assert_allclose(row.marks[-1].end, 100.0, rtol=1e-12)
+        looks = [mark.colour for mark in row.marks if mark.colour != REST]
+        order = [STYLES[name.quantity][0] for name in in_order(sources_of(group))]
+        assert looks == [one for one in order if one in looks]
+    assert_says(chart.title, "of the variance of the")
+    assert "rest" not in chart.alt
+
+
+def sources_of(group):
+    """Return the sources of a group."""
+    return [row.source for row in group.sources]
+
+
+def test_bars_of_groups_name_each_source_once():
+    """A source is named in a bar, or at the foot, and at the foot only once."""
+    chart = group_shares_chart(make_budget())
+    named = {mark.text for row in chart.groups[0].rows for mark in row.marks}
+    foot = [name for _, _, name in chart.legend]
+
+    assert len(set(foot)) == len(foot)
+    assert not named & set(foot)
+    assert "bias repeatability" in named
+
+
+def test_one_group_alone_is_no_figure():
+    """A single bar says no more than a sentence."""
+    output = make_output("gyro", "bias", "x", sources={"bias_stability": 1.0}, **UNIT)
+
+    assert group_shares_chart(make_budget(outputs=(output,))) is None
 
 
 def test_unknown_source_is_gathered_and_not_lost():
@@ -265,6 +308,7 @@ def test_styles_cover_the_example_sources():
 
 # Every figure of the report, from one example each.
 PICTURES = {
+    "groups": lambda: group_shares_chart(make_budget()),
     "shares": lambda: share_chart(group_tables(make_budget())[BIAS]),
     "utilisation": lambda: utilisation_chart(make_assessment(make_budget())),
     "coupling": lambda: coupling_chart(make_coupling(), "gyro"),
