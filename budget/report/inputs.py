@@ -12,6 +12,7 @@ from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import Abreast, ForPages
 from budget.report.figures.allan import Allan, allan_picture
+from budget.report.figures.attitudes import Positions, positions_picture
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
     made_of,
@@ -125,12 +126,14 @@ def _rows(
 def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
     """Return the procedure in words, and drawn; of the sensors that are there."""
     schedule = schedule_chart(procedure, sensors)
+    positions = Positions.of(procedure, sensors)
     (section,) = sections(
         "procedure",
         procedure=procedure,
         sensors=sensors,
         tracks=make_tracks(procedure, sensors) if procedure.windows else (),
         schedule=None if schedule is None else chart_picture(schedule),
+        positions=None if positions is None else positions_picture(positions),
         made_of=made_of,
         print_time=print_time,
         degrees=print_degrees,
