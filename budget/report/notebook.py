@@ -6,22 +6,27 @@ import re
 import warnings
 from dataclasses import dataclass
 from datetime import datetime
+from functools import wraps
 from html import escape
 from importlib.util import find_spec
 from io import BytesIO, StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
+from budget.calibration.mission import SEEN
 from budget.errors import CallError
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
-from budget.names import Name
+from budget.names import LENGTHS, Name
 from budget.report.analysis.build import report_document
+from budget.report.analysis.mission import way_with_errors
 from budget.report.analysis.verdict import headline
 from budget.report.blocks import Cell
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
+from budget.report.figures.allan import Allan, draw_allan
+from budget.report.figures.attitudes import Positions, draw_positions
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
@@ -29,14 +34,22 @@ from budget.report.figures.contributions import (
     waterfall_chart,
 )
 from budget.report.figures.density import density_step
+from budget.report.figures.growth import Growth, draw_growth
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
     validity_chart,
 )
 from budget.report.figures.rows import draw
-from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
+from budget.report.figures.sources import (
+    coupling_chart,
+    group_shares_chart,
+    share_chart,
+    sobol_chart,
+)
+from budget.report.figures.style import headed
 from budget.report.figures.timeline import schedule_chart
+from budget.report.figures.track import draw_track
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks, line
 from budget.report.rendering import check_suffixes, document_date, render_pages
@@ -48,6 +61,7 @@ from budget.studies.coupling import coupling_by_law
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
 from budget.studies.export.study import Export
+from budget.studies.mission import curve, drawn_times
 from budget.studies.request import analysis_of
 from budget.studies.stations import Qualification
 
@@ -60,6 +74,7 @@ if TYPE_CHECKING:
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable
     from budget.results import Budget, Tabled
+    from budget.studies.mission import Curve
 
 T = TypeVar("T")
 COMMAND = "budget.report (Python)"  # in the place of a command line
@@ -272,17 +287,34 @@ def _sheets(budget: Budget) -> Iterator[tuple[str, list[Sequence[object]]]]:
     yield "Notes", [("", budget.title), *notes]
 
 
+P = ParamSpec("P")
+
+
+def _headed(
+    drawn: Callable[Concatenate[Plots, P], Figure],
+) -> Callable[Concatenate[Plots, P], Figure]:
+    """Give a figure that stands alone its finding, and what it is of."""
+
+    @wraps(drawn)
+    def made(self: Plots, /, *args: P.args, **options: P.kwargs) -> Figure:
+        return headed(drawn(self, *args, **options), self.budget.title)
+
+    return made
+
+
 @dataclass(frozen=True)
 class Plots:
     """The figures of the report on a budget, each a matplotlib Figure."""
 
     budget: Budget
 
+    @_headed
     def overview(self) -> Figure:
         """Show U of every output."""
         chart = overview_chart(group_tables(self.budget))
         return _drawn(chart, "no output has a spread")
 
+    @_headed
     def limits(self) -> Figure:
         """Show how much of its limit every required output uses."""
         assessment = self.budget.assessment
@@ -292,6 +324,7 @@ class Plots:
             )
         return draw(utilisation_chart(assessment))
 
+    @_headed
     def contributions(self, group: str = "") -> Figure:
         """Show what contributes to each output of a group, 'gyro.bias'.
 
@@ -300,20 +333,30 @@ class Plots:
         """
         return draw(share_chart(self._group(group)))
 
+    @_headed
+    def shares(self) -> Figure:
+        """Show what the variance of each group of outputs is made of."""
+        chart = group_shares_chart(self.budget)
+        return _drawn(chart, "it has no two groups of outputs with a spread")
+
+    @_headed
     def tornado(self, group: str = "") -> Figure:
         """Show how far each source alone moves the critical output of a group."""
         chart = tornado_chart(self._critical(group))
-        return _drawn(chart, "no source moves that output")
+        return _drawn(chart, "no two sources move that output")
 
+    @_headed
     def waterfall(self, group: str = "") -> Figure:
         """Show how the sources add up to U of the critical output of a group."""
         chart = waterfall_chart(self._critical(group))
-        return _drawn(chart, "no source moves that output")
+        return _drawn(chart, "no two sources move that output")
 
+    @_headed
     def correlation(self) -> Figure:
         """Show the correlation of all outputs that have one."""
         return _drawn(correlation_chart(self.budget), "no two outputs are correlated")
 
+    @_headed
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
         sensor = self._sensor(sensor)
@@ -323,6 +366,7 @@ class Plots:
         )
         return _drawn(coupling_chart(table, sensor), f"no source reaches the {sensor}")
 
+    @_headed
     def schedule(self) -> Figure:
         """Show turns and dwells of the test, to scale."""
         there = list(dict.fromkeys(row.sensor for row in self.budget.outputs))
@@ -330,16 +374,69 @@ class Plots:
         chart = schedule_chart(analysis_of(self.budget).procedure, sensors)
         return _drawn(chart, "the test has no windows")
 
+    @_headed
+    def positions(self) -> Figure:
+        """Show the positions of the calibration: which axis is up, and which turns."""
+        analysis = analysis_of(self.budget)
+        kinds = [sensor.kind for sensor in analysis.sensors]
+        found = Positions.of(analysis.procedure, kinds)
+        return draw_positions(_found(found, "the calibration has no positions"))
+
+    @_headed
+    def allan(self, sensor: str = "") -> Figure:
+        """Show the noise of a sensor's data sheet by averaging time, the first without.
+
+        With the windows that the calibration averages.
+        """
+        analysis = analysis_of(self.budget)
+        triads = {one.kind: one for one in analysis.sensors}
+        triad = _choice(triads, sensor or next(iter(triads)))
+        found = Allan.of(triad, analysis.procedure)
+        return draw_allan(_found(found, f"no line of the {triad.kind} is noise"))
+
+    @_headed
+    def growth(self, error: str = "position.horizontal") -> Figure:
+        """Show an error of a mission over time, its limits, and what makes it when.
+
+        'position.horizontal', 'velocity.down', 'attitude.heading'.
+        """
+        known = {
+            f"{quantity}.{axis}": (quantity, axis)
+            for quantity, axis in (*LENGTHS.items(), *SEEN)
+        }
+        found = Growth.of(self._curve(), _choice(known, error))
+        judged = self.budget.assessment
+        limits = () if judged is None else judged.outputs
+        return draw_growth(_found(found, "nothing moves that error"), limits)
+
+    @_headed
+    def track(self) -> Figure:
+        """Show the track of a mission from above, with ellipses of its errors."""
+        found = way_with_errors(self.budget, self._curve())
+        why = "the position has no covariance at the times that are asked for"
+        return draw_track(_found(found, why))
+
+    def _curve(self) -> Curve:
+        """Return how the errors of a mission grow."""
+        analysis = analysis_of(self.budget)
+        if analysis.journey is None:
+            raise CallError("the budget is of no mission; give mission= to analyze")
+        asked = sorted({row.output.name.time or 0.0 for row in self.budget.outputs})
+        return curve(analysis, drawn_times(analysis.journey, asked))
+
+    @_headed
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""
         why = "the law was not validated; analyze with validate=True and method='gum'"
         return _drawn(validity_chart(self.budget, self._sensor(sensor)), why)
 
+    @_headed
     def indices(self, sensor: str = "") -> Figure:
         """Show Sobol' indices, of a sensor, the first without."""
         why = "there are no Sobol' indices; analyze with samples=2048"
         return _drawn(sobol_chart(self.budget, self._sensor(sensor)), why)
 
+    @_headed
     def density(self, output: str = "") -> Figure:
         """Show how the error of a critical output is distributed, the first without.
 
@@ -391,6 +488,11 @@ def _choice(known: Mapping[str, T], name: str) -> T:
 
 def _drawn(chart: Chart | None, why: str) -> Figure:
     """Draw a figure; say why there is none."""
-    if chart is None:
+    return draw(_found(chart, why))
+
+
+def _found(one: T | None, why: str) -> T:
+    """Return what is to be drawn; say why there is nothing."""
+    if one is None:
         raise CallError(f"nothing to draw: {why}")
-    return draw(chart)
+    return one

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
 from math import cos, radians, sin
@@ -107,15 +107,15 @@ class Positions:
             for window in schedule_of(sensor, procedure).windows
         ]
         if procedure.windows:  # one clock: what both triads use is one window
-            every = list({id(one): one for one in every}.values())
-        found = {True: {}, False: {}}  # type: dict[bool, dict[Any, list[Window]]]
+            every = list(dict.fromkeys(replace(one, use="both") for one in every))
+        found: dict[bool, dict[Any, list[Window]]] = {True: {}, False: {}}
         for window in every:
             found[bool(window.sense)].setdefault(_alike(window), []).append(window)
         dwells, turns = (
             tuple(_attitude(own) for own in found[is_turn].values())
             for is_turn in (False, True)
         )
-        if len(dwells) + len(turns) < 2:  # noqa: PLR2004 - one is a sentence
+        if len(dwells) + len(turns) <= 1:
             return None
         return cls(dwells=dwells, turns=turns)
 

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Assessment, Budget
 
+FEWEST = 2  # sources: one bar alone says nothing that a sentence does not
 MOST_ROWS = 7  # sources that have a row of their own
 PITCH = 14.0  # from row to row [pt]
 AIR = 1.06  # reach of an axis over the longest bar [1]
@@ -109,7 +110,7 @@ class Critical:
 def tornado_chart(critical: Critical) -> Chart | None:
     """Show what one standard uncertainty of each source moves the output by.
 
-    None without spread. The budget table has the numbers.
+    None of fewer than two. The budget table has the numbers.
     """
     group, place = critical.group, critical.place
 
@@ -119,7 +120,7 @@ def tornado_chart(critical: Critical) -> Chart | None:
 
     sources = [one for one in critical.sources if linear(one).exact > 0.0]
     sources.sort(key=lambda one: -settle(linear(one).exact))
-    if not sources:
+    if len(sources) < FEWEST:
         return None
     rows = []
     for source in sources:
@@ -171,7 +172,7 @@ def waterfall_chart(critical: Critical) -> Chart | None:
 
     From the largest down, by k and u of the law; what an interval of trials differs
     from that by is a step of its own. Then the mean error, where there is one: the
-    middle of the interval. None without spread.
+    middle of the interval. None of fewer than two steps.
     """
     group, place, row = critical.group, critical.place, critical.row
     sources = critical.sources
@@ -195,6 +196,8 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     if row.by:
         look = (MUTED, HATCH, "")
         rows.append(_step(said("trials"), reached, whole, u, look))
+    if len(rows) < FEWEST:
+        return None
     head = f"U{coverage}" if row.by else f"U{coverage} = k u"
     rows.append(_total(head, whole, row.expanded.text))
     mean = abs(row.low.exact + row.high.exact) / 2.0

@@ -27,6 +27,7 @@ from budget.report.figures.style import (
     blank,
     house_style,
     look_of,
+    text_width,
 )
 from budget.report.pages import blocks, line
 from budget.report.tables import UNITS, full_title, length, round_uncertainty, unit_for
@@ -327,9 +328,20 @@ def _draw_shares(axes: Axes, growth: Growth) -> None:
         elif shares[peak] >= 100.0 * AREA:
             inner = max(peak, x.size // 8)
             place, middle = float(x[inner]), float((below + shares / 2.0)[inner])
-            on_paper(axes, name, (place, middle), (0.0, 0.0))
+            room = WIDTH - LEFT - RIGHT - text_width(name) - AIR
+            at = (WIDTH - LEFT - RIGHT) * _across_part(axes, place)
+            on_paper(axes, name, (place, middle), (min(room - at, 0.0), 0.0))
         below = below + shares
     name_lines(axes, names)
+
+
+AIR = 4.0  # between a name and the edge [pt]
+
+
+def _across_part(axes: Axes, time: float) -> float:
+    """Return how far across the axes a time is [1]."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    return float(to_axes.transform((time, 0.0))[0])
 
 
 def _across(axes: Axes, curve: Curve) -> None:

@@ -171,7 +171,7 @@ def _segment_bars(
         start += share
 
 
-MOST_BARS = 12  # outputs of a mission
+FEWEST, MOST_BARS = 2, 12  # bars: one says nothing that a sentence does not
 
 
 def group_shares_chart(budget: Budget) -> Chart | None:
@@ -182,7 +182,7 @@ def group_shares_chart(budget: Budget) -> Chart | None:
     """
     every = _bars(budget)
     bars = every[:MOST_BARS]
-    if len(bars) < 2:  # noqa: PLR2004 - one bar says nothing that a sentence does not
+    if len(bars) < FEWEST:
         return None
     said = texts(
         PAGE,
@@ -252,11 +252,14 @@ def _of_mission(budget: Budget) -> list[OutputBudget]:
         limited = {row.output.name for row in budget.assessment.outputs}
         return [row for row in budget.outputs if row.output.name in limited]
     end = max(row.output.name.time or 0.0 for row in budget.outputs)
+    plane = ("position", LENGTHS["position"])
     return [
-        row
-        for row in budget.outputs
-        if (row.parameter, row.axis) == ("position", LENGTHS["position"])
-        or (row.parameter == "attitude" and row.output.name.time == end)
+        *(row for row in budget.outputs if (row.parameter, row.axis) == plane),
+        *(
+            row
+            for row in budget.outputs
+            if row.parameter == "attitude" and row.output.name.time == end
+        ),
     ]
 
 

@@ -258,6 +258,53 @@ def write(
     )
 
 
+HEAD_LINE, HEAD_EDGE = 12.0, 6.0  # height of a line above a figure, air around it [pt]
+
+
+@house_style()
+def headed(figure: Figure, about: str) -> Figure:
+    """Write above a figure that stands alone what it shows, and of what; return it.
+
+    On a page its heading says so.
+    """
+    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
+    room = width - 2.0 * HEAD_EDGE
+    lines = [
+        *(
+            (one, TEXT, "bold", INK)
+            for one in folded(str(figure.get_label()), room, TEXT)
+        ),
+        *((one, SMALL, "normal", MUTED) for one in folded(about, room, SMALL)),
+    ]
+    whole = height + HEAD_LINE * len(lines) + 2.0 * HEAD_EDGE
+    for axes in figure.axes:
+        x, y, wide, tall = axes.get_position().bounds
+        axes.set_position((x, y * height / whole, wide, tall * height / whole))
+    for own in figure.texts:
+        own.set_y(own.get_position()[1] * height / whole)
+    figure.set_size_inches(width / INCH, whole / INCH)
+    for k, (text, size, weight, colour) in enumerate(lines, start=1):
+        base = HEAD_LINE * k + (0.0 if weight == "bold" else 1.0)
+        write_on(figure, HEAD_EDGE, base, text, size=size, weight=weight, colour=colour)
+    return figure
+
+
+WORD = re.compile(r"[\u2e80-\uffff]|[^\s\u2e80-\uffff]+\s*|\s+")
+BOLD = 1.15  # width of bold letters over that of others [1]
+
+
+def folded(text: str, room: float, size: float) -> list[str]:
+    """Break a text into lines that fit, between words, or within what has none [pt]."""
+    found = [""]
+    for word in WORD.findall(text):
+        longer = found[-1] + word
+        if found[-1] and BOLD * text_width(longer.rstrip(), size) > room:
+            found.append(word)
+        else:
+            found[-1] = longer
+    return [one.rstrip() for one in found if one.strip()]
+
+
 def plane(title: str, across: str, up: str, height: float) -> tuple[Figure, Axes]:
     """Make a figure with a grid over two axes, each with quantity and unit."""
     figure, axes = canvas(height, left=58.0, right=66.0, top=12.0, below=34.0)

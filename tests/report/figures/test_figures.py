@@ -58,6 +58,8 @@ from budget.report.figures.style import (
     ON_DARK,
     REST,
     STYLES,
+    folded,
+    headed,
     in_order,
     to_svg,
 )
@@ -656,3 +658,34 @@ def test_colours_are_told_apart_in_grey():
 
     for one, other in pairwise(every):
         assert contrast(rgb(one), rgb(other)) > 1.08
+
+
+def test_a_figure_that_stands_alone_says_what_it_is_of():
+    """Above it are its finding and the device; on a page the heading has these."""
+    chart = group_shares_chart(make_budget())
+    before = draw(chart)
+    spare = before.get_size_inches()[1]
+    alone = headed(draw(chart), "a device")
+
+    found = texts(alone)
+    assert "a device" in found
+    assert chart.title in " ".join(found)
+    assert chart.title not in " ".join(texts(before))
+    assert alone.get_size_inches()[1] > spare
+    assert cut_texts(alone) == []
+    for one, other in zip(before.axes, alone.axes, strict=True):
+        assert_allclose(
+            one.get_window_extent().size, other.get_window_extent().size, rtol=1e-9
+        )
+
+
+def test_a_long_title_is_broken_in_lines_that_fit():
+    """Between words, and within a language that has none; nothing is lost."""
+    for text in (
+        "a title of several words of some length",
+        "偏置重复性占陀螺零偏方差的大部分",
+    ):
+        lines = folded(text, 80.0, 9.0)
+
+        assert len(lines) > 1
+        assert "".join(lines).replace(" ", "") == text.replace(" ", "")
