@@ -63,7 +63,7 @@ TICKS = (  # [s]
 )
 TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
 MOST_TICKS = 6  # of an even axis of times
-AIDED = "#e4e8ed"  # of the times with aids
+AIDED = 0.5  # opacity behind the times with aids
 PLANE = ("position", LENGTHS["position"])
 said = partial(line, "figures_growth")
 
@@ -276,7 +276,14 @@ def _draw_errors(
     least = min(float(one.min()) for one in every)
     for begin, end in growth.curve.measured:
         if end > x[0]:
-            axes.axvspan(max(begin, x[0]), end, color=AIDED, linewidth=0.0, zorder=0.0)
+            axes.axvspan(
+                max(begin, x[0]),
+                end,
+                color=GRID,
+                alpha=AIDED,
+                linewidth=0.0,
+                zorder=0.0,
+            )
     axes.set_yscale("log")
     axes.set_ylim(max(least / 2.0, largest / REACH), 2.0 * largest)
     for width, (name, sizes) in zip((1.8, 1.0), growth.sizes.items(), strict=False):

@@ -174,6 +174,7 @@ def track_picture(way: Way) -> Picture:
         },
         caption=said("caption", times=f"{times:g}", coverage=_percent(way)),
         data=data,
+        data_on_paper=False,
     )
 
 
