@@ -10,7 +10,7 @@ from budget.calibration.mission import on_the_way
 from budget.inputs.station import IDEAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
-from budget.report.blocks import Abreast, ForPages
+from budget.report.blocks import Abreast
 from budget.report.figures.allan import Allan, allan_picture
 from budget.report.figures.attitudes import Positions, positions_picture
 from budget.report.figures.rows import chart_picture
@@ -26,11 +26,11 @@ from budget.report.wording import parted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
-    from budget.report.blocks import Picture, Section
+    from budget.report.blocks import Section
     from budget.studies.blunders import Blunder, Offset
 
 
@@ -58,8 +58,19 @@ class DataSheet:
     rows: tuple[InputRow, ...]
 
 
-def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
-    """Return every value that the budget is made of, and those that it is not."""
+def inputs_section(
+    devices: Sequence[Device],
+    procedure: Procedure,
+    *,
+    absent: Sequence[str] = (),
+    assumed: Sequence[str] = (),
+    parted: Callable[[str], tuple[str, str]] = parted,
+    full: bool = True,
+) -> Section:
+    """Return every value that the budget is made of, and in full those that it is not.
+
+    What is absent, and assumed, as far as it does not stand on page one.
+    """
     triads = [
         sensor
         for device in devices
@@ -67,8 +78,12 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     ]
     (section,) = sections(
         "inputs",
+        full=full,
+        absent=absent,
+        assumed=assumed,
+        parted=parted,
         devices=devices,
-        drawn=Abreast(blocks=(ForPages(lambda: noise_pictures(triads, procedure)),)),
+        drawn=noise_pictures(triads, procedure) if full else None,
         sheets=[
             data_sheet(sensor, device.assumptions)
             for device in devices
@@ -86,12 +101,11 @@ def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
     return section
 
 
-def noise_pictures(
-    sensors: Sequence[Sensor], procedure: Procedure
-) -> tuple[Picture, ...]:
-    """Show the noise of triads by averaging time, of those whose sheet gives any."""
-    found = (Allan.of(sensor, procedure) for sensor in sensors)
-    return tuple(allan_picture(one) for one in found if one is not None)
+def noise_pictures(sensors: Sequence[Sensor], procedure: Procedure) -> Abreast | None:
+    """Show the noise of triads by averaging time; None where no sheet gives any."""
+    every = (Allan.of(sensor, procedure) for sensor in sensors)
+    found = tuple(allan_picture(one) for one in every if one is not None)
+    return Abreast(blocks=found) if found else None
 
 
 def data_sheet(sensor: Sensor, assumptions: Sequence[str] = ()) -> DataSheet:
@@ -123,9 +137,11 @@ def _rows(
     return tuple(rows)
 
 
-def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
-    """Return the procedure in words, and drawn; of the sensors that are there."""
-    schedule = schedule_chart(procedure, sensors)
+def procedure_section(
+    procedure: Procedure, sensors: Sequence[str], *, full: bool = True
+) -> Section:
+    """Return the procedure in words and its positions; in full its schedule."""
+    schedule = schedule_chart(procedure, sensors) if full else None
     positions = Positions.of(procedure, sensors)
     (section,) = sections(
         "procedure",
