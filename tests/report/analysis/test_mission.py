@@ -31,7 +31,7 @@ from budget.inputs import (
 from budget.inputs.use import in_use
 from budget.language import speaking
 from budget.names import Name, time_text
-from budget.report.analysis.mission import mission_section
+from budget.report.analysis.mission import mission_figures, mission_section
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
 from budget.report.figures.growth import (
@@ -160,7 +160,7 @@ def test_texts_of_the_figure_of_a_mission_stand_apart(error):
 def test_the_section_has_tables_and_both_figures(language):
     """Position, motion, contributions; and what a page alone shows."""
     with speaking(language):
-        section = mission_section(carried(), grown())
+        section = mission_section(carried(), mission_figures(carried(), grown()))
         names = [table.name for table in find(section, Table)]
         pictures = find(section, Picture)
     assert names[:3] == [
