@@ -138,7 +138,7 @@ def report_document(
         "budget": budget_section(groups, procedure, assessment, full=full),
         "matrices": matrices_sections(budget),
         "station": station_section(
-            budget, groups, procedure, assessment, evidence.unfelt
+            budget, groups, procedure, assessment, evidence.unfelt, full=full
         ),
         "studies": chain(*(extra.sections for extra in extras)),
         "method": method_section(
