@@ -401,7 +401,7 @@ class Plots:
         'position.horizontal', 'velocity.down', 'attitude.heading'.
         """
         known = {
-            f"{quantity}.{axis}": (quantity, axis)
+            str(Name(quantity, axis=axis)): (quantity, axis)
             for quantity, axis in (*LENGTHS.items(), *SEEN)
         }
         found = Growth.of(self._curve(), _choice(known, error))
