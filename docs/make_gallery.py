@@ -29,6 +29,7 @@ FIGURES = {
         "Contributions to the gyro bias, axis by axis",
         'contributions("gyro.bias")',
     ),
+    "shares": ("What the variance of each group is made of", "shares()"),
     "tornado": ("Each source alone, of the critical gyro bias", 'tornado("gyro.bias")'),
     "waterfall": ("From the sources to U", 'waterfall("gyro.bias")'),
     "correlation": ("Correlation of the outputs", "correlation()"),
@@ -39,6 +40,8 @@ FIGURES = {
         'density("gyro.bias.x")',
     ),
     "schedule": ("The test, to scale", "schedule()"),
+    "positions": ("Its positions: which axis is up, and which turns", "positions()"),
+    "allan": ("Noise of the gyro, and what the windows average", "allan()"),
     "indices": ("Sobol' indices of the gyro, with intervals", "indices()"),
 }
 HEAD = """# Gallery of reports and figures

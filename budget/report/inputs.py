@@ -10,6 +10,9 @@ from budget.calibration.mission import on_the_way
 from budget.inputs.station import IDEAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
+from budget.report.blocks import Abreast
+from budget.report.figures.allan import Allan, allan_picture
+from budget.report.figures.attitudes import Positions, positions_picture
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
     made_of,
@@ -68,6 +71,11 @@ def inputs_section(
 
     What is absent, and assumed, as far as it does not stand on page one.
     """
+    triads = [
+        sensor
+        for device in devices
+        for sensor in on_the_way(device.sensors, procedure)[0]
+    ]
     (section,) = sections(
         "inputs",
         full=full,
@@ -75,6 +83,7 @@ def inputs_section(
         assumed=assumed,
         parted=parted,
         devices=devices,
+        drawn=noise_pictures(triads, procedure) if full else None,
         sheets=[
             data_sheet(sensor, device.assumptions)
             for device in devices
@@ -90,6 +99,13 @@ def inputs_section(
         ],
     )
     return section
+
+
+def noise_pictures(sensors: Sequence[Sensor], procedure: Procedure) -> Abreast | None:
+    """Show the noise of triads by averaging time; None where no sheet gives any."""
+    every = (Allan.of(sensor, procedure) for sensor in sensors)
+    found = tuple(allan_picture(one) for one in every if one is not None)
+    return Abreast(blocks=found) if found else None
 
 
 def data_sheet(sensor: Sensor, assumptions: Sequence[str] = ()) -> DataSheet:
@@ -124,14 +140,16 @@ def _rows(
 def procedure_section(
     procedure: Procedure, sensors: Sequence[str], *, full: bool = True
 ) -> Section:
-    """Return the procedure in words, in full drawn; of the sensors that are there."""
+    """Return the procedure in words and its positions; in full its schedule."""
     schedule = schedule_chart(procedure, sensors) if full else None
+    positions = Positions.of(procedure, sensors)
     (section,) = sections(
         "procedure",
         procedure=procedure,
         sensors=sensors,
         tracks=make_tracks(procedure, sensors) if procedure.windows else (),
         schedule=None if schedule is None else chart_picture(schedule),
+        positions=None if positions is None else positions_picture(positions),
         made_of=made_of,
         print_time=print_time,
         degrees=print_degrees,

@@ -6,27 +6,32 @@ import re
 import warnings
 from dataclasses import dataclass
 from datetime import datetime
+from functools import wraps
 from html import escape
 from importlib.util import find_spec
 from io import BytesIO, StringIO
 from itertools import repeat
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 
+from budget.calibration.mission import SEEN
 from budget.errors import CallError
 from budget.inputs.records import Device
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import HORIZONTAL, LENGTHS, Name
 from budget.report.analysis.build import report_document
+from budget.report.analysis.mission import way_with_errors
 from budget.report.analysis.verdict import headline
 from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
+from budget.report.figures.allan import Allan, draw_allan
+from budget.report.figures.attitudes import Positions, draw_positions
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
@@ -34,15 +39,22 @@ from budget.report.figures.contributions import (
     waterfall_chart,
 )
 from budget.report.figures.density import density_step
-from budget.report.figures.growth import Growth, growth_figure, shares_figure
+from budget.report.figures.growth import Growth, draw_growth
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
     validity_chart,
 )
 from budget.report.figures.rows import draw
-from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
+from budget.report.figures.sources import (
+    coupling_chart,
+    group_shares_chart,
+    share_chart,
+    sobol_chart,
+)
+from budget.report.figures.style import headed
 from budget.report.figures.timeline import schedule_chart
+from budget.report.figures.track import draw_track
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
@@ -62,7 +74,7 @@ from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
 from budget.studies.export.study import Export
-from budget.studies.mission import Curve, drawn_times, growth
+from budget.studies.mission import Curve, curve, drawn_times
 from budget.studies.request import analysis_of
 from budget.studies.stations import Qualification
 from budget.ties import first_largest
@@ -465,8 +477,21 @@ def _is_mission(budget: Budget) -> bool:
     return budget.mission is not None
 
 
+def _has_track(budget: Budget) -> bool:
+    """Whether the errors of position have a covariance at the times asked for."""
+    if not (_varies(budget) and _is_mission(budget)):
+        return False
+    return way_with_errors(budget, _curve(budget)) is not None
+
+
+def _critical(budget: Budget) -> Critical:
+    """Return the output that a figure of one shows where none is asked for."""
+    return Plots(budget)._critical("")  # noqa: SLF001 - of this module
+
+
 # Figures, and whether a budget has what each of them shows.
 DRAWN: dict[str, Callable[[Budget], bool]] = {
+    "allan": lambda budget: not _is_mission(budget),
     "contributions": _varies,
     "correlation": lambda budget: correlation_chart(budget) is not None,
     "coupling": lambda budget: _varies(budget) and not _is_mission(budget),
@@ -475,11 +500,13 @@ DRAWN: dict[str, Callable[[Budget], bool]] = {
     "indices": _has_sobol,
     "limits": lambda budget: budget.assessment is not None,
     "overview": _varies,
+    "positions": lambda budget: not _is_mission(budget),
     "schedule": lambda budget: bool(_schedule(budget)),
-    "shares": lambda budget: _varies(budget) and _is_mission(budget),
-    "tornado": _varies,
+    "shares": lambda budget: group_shares_chart(budget) is not None,
+    "track": _has_track,
+    "tornado": lambda budget: tornado_chart(_critical(budget)) is not None,
     "validation": lambda budget: any(row.validation for row in budget.outputs),
-    "waterfall": _varies,
+    "waterfall": lambda budget: waterfall_chart(_critical(budget)) is not None,
 }
 
 
@@ -488,6 +515,21 @@ def _schedule(budget: Budget) -> Chart | None:
     there = {row.sensor for row in budget.outputs}
     sensors = [kind for kind in SENSORS if kind in there]
     return schedule_chart(analysis_of(budget).procedure, sensors) if sensors else None
+
+
+P = ParamSpec("P")
+
+
+def _headed(
+    drawn: Callable[Concatenate[Plots, P], Figure],
+) -> Callable[Concatenate[Plots, P], Figure]:
+    """Give a figure that stands alone its finding, and what it is of."""
+
+    @wraps(drawn)
+    def made(self: Plots, /, *args: P.args, **options: P.kwargs) -> Figure:
+        return headed(drawn(self, *args, **options), self.budget.title)
+
+    return made
 
 
 @dataclass(frozen=True, repr=False)
@@ -504,11 +546,13 @@ class Plots:
         """List them."""
         return f"<figures: {', '.join(dir(self))}>"
 
+    @_headed
     def overview(self) -> Figure:
         """Show U of every output."""
         chart = overview_chart(group_tables(self.budget))
         return _drawn(chart, "no output has a spread")
 
+    @_headed
     def limits(self) -> Figure:
         """Show how much of its limit every required output uses."""
         assessment = self.budget.assessment
@@ -518,6 +562,7 @@ class Plots:
             )
         return draw(utilisation_chart(assessment))
 
+    @_headed
     def contributions(self, group: str = "") -> Figure:
         """Show what contributes to each output of a group, 'gyro.bias'.
 
@@ -526,20 +571,30 @@ class Plots:
         """
         return draw(share_chart(self._group(group)))
 
+    @_headed
+    def shares(self) -> Figure:
+        """Show what the variance of each group of outputs is made of."""
+        chart = group_shares_chart(self.budget)
+        return _drawn(chart, "it has no two groups of outputs with a spread")
+
+    @_headed
     def tornado(self, group: str = "") -> Figure:
         """Show how far each source alone moves the critical output of a group."""
         chart = tornado_chart(self._critical(group))
-        return _drawn(chart, "no source moves that output")
+        return _drawn(chart, "no two sources move that output")
 
+    @_headed
     def waterfall(self, group: str = "") -> Figure:
         """Show how the sources add up to U of the critical output of a group."""
         chart = waterfall_chart(self._critical(group))
-        return _drawn(chart, "no source moves that output")
+        return _drawn(chart, "no two sources move that output")
 
+    @_headed
     def correlation(self) -> Figure:
         """Show the correlation of all outputs that have one."""
         return _drawn(correlation_chart(self.budget), "no two outputs are correlated")
 
+    @_headed
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
         sensor = self._sensor(sensor)
@@ -549,29 +604,66 @@ class Plots:
         )
         return _drawn(coupling_chart(table, sensor), f"no source reaches the {sensor}")
 
+    @_headed
     def schedule(self) -> Figure:
         """Show turns and dwells of the test, to scale."""
         return _drawn(_schedule(self.budget), "there is no test, or it has no windows")
 
-    def growth(self) -> Figure:
-        """Show how CEP and R95 of a mission grow, and what makes them."""
-        limits = [*_limits(self.budget).values()]
-        return growth_figure(_curve(self.budget), limits)
+    @_headed
+    def positions(self) -> Figure:
+        """Show the positions of the calibration: which axis is up, and which turns."""
+        analysis = analysis_of(self.budget)
+        kinds = [sensor.kind for sensor in analysis.sensors]
+        found = Positions.of(analysis.procedure, kinds)
+        return draw_positions(_found(found, "the calibration has no positions"))
 
-    def shares(self) -> Figure:
-        """Show the shares of the variance of its position over time."""
-        return shares_figure(_curve(self.budget))
+    @_headed
+    def allan(self, sensor: str = "") -> Figure:
+        """Show the noise of a sensor's data sheet by averaging time, the first without.
 
+        With the windows that the calibration averages.
+        """
+        analysis = analysis_of(self.budget)
+        triads = {one.kind: one for one in analysis.sensors}
+        triad = _choice(triads, sensor or next(iter(triads)))
+        found = Allan.of(triad, analysis.procedure)
+        return draw_allan(_found(found, f"no line of the {triad.kind} is noise"))
+
+    @_headed
+    def growth(self, error: str = "position.horizontal") -> Figure:
+        """Show an error of a mission over time, its limits, and what makes it when.
+
+        'position.horizontal', 'velocity.down', 'attitude.heading'.
+        """
+        known = {
+            str(Name(quantity, axis=axis)): (quantity, axis)
+            for quantity, axis in (*LENGTHS.items(), *SEEN)
+        }
+        found = Growth.of(_curve(self.budget), _choice(known, error))
+        judged = self.budget.assessment
+        limits = () if judged is None else judged.outputs
+        return draw_growth(_found(found, "nothing moves that error"), limits)
+
+    @_headed
+    def track(self) -> Figure:
+        """Show the track of a mission from above, with ellipses of its errors."""
+        found = way_with_errors(self.budget, _curve(self.budget))
+        why = "the position has no covariance at the times that are asked for"
+        return draw_track(_found(found, why))
+
+    @_headed
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""
         why = "the law was not validated; analyze with validate=True and method='gum'"
         return _drawn(validity_chart(self.budget, self._sensor(sensor)), why)
 
+    @_headed
     def indices(self, sensor: str = "") -> Figure:
         """Show Sobol' indices, of a sensor, the first without."""
         why = "there are no Sobol' indices; analyze with samples=2048"
         return _drawn(sobol_chart(self.budget, self._sensor(sensor)), why)
 
+    @_headed
     def density(self, output: str = "") -> Figure:
         """Show how the error of a critical output is distributed, the first without.
 
@@ -607,21 +699,19 @@ class Plots:
         return _choice(there, sensor or next(iter(there)))
 
 
-def _curve(budget: Budget) -> Growth:
-    """Return how the errors of a mission grow, to draw it.
+def _curve(budget: Budget) -> Curve:
+    """Return how the errors of a mission grow.
 
     Raises
     ------
     CallError
-        The budget is of no mission, or nothing varies on it.
+        The budget is of no mission.
     """
-    if budget.mission is None:
+    analysis = analysis_of(budget)
+    if budget.mission is None or analysis.journey is None:
         raise CallError("the budget is of no mission; give mission= to analyze")
-    asked = [row.output.name.time or 0.0 for row in budget.outputs]
-    found = Growth.of(growth(budget, drawn_times(budget.mission, asked)))
-    if found is None:
-        raise CallError("nothing to draw: no output has a spread")
-    return found
+    asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
+    return curve(analysis, drawn_times(analysis.journey, asked))
 
 
 def _choice(known: Mapping[str, T], name: str) -> T:
@@ -640,6 +730,11 @@ def _choice(known: Mapping[str, T], name: str) -> T:
 
 def _drawn(chart: Chart | None, why: str) -> Figure:
     """Draw a figure; say why there is none."""
-    if chart is None:
+    return draw(_found(chart, why))
+
+
+def _found(one: T | None, why: str) -> T:
+    """Return what is to be drawn; say why there is nothing."""
+    if one is None:
         raise CallError(f"nothing to draw: {why}")
-    return draw(chart)
+    return one

@@ -73,12 +73,30 @@ class Curve(Shown):
 
     def standard_uncertainty(self, quantity: str, axis: str) -> Array:
         """Return that of one error at all times, shape (n_times,) [SI]."""
-        row = SEEN.index((quantity, axis))
-        own = self.covariance[:, :, row, row]
         if self.mixture is None:
-            return np.asarray(np.sqrt(own.sum(axis=0)))
-        each = np.stack([own, 0.0 * own, 0.0 * own], axis=1)
-        return self.mixture.radius(ONE_SIGMA, self.sources, each)
+            return np.asarray(np.sqrt(self.variance(quantity, axis).sum(axis=0)))
+        return self.reach(ONE_SIGMA, quantity, axis)
+
+    def variance(self, quantity: str, axis: str) -> Array:
+        """Return what each source adds to that of one error, (n_sources, n_times) [SI].
+
+        Of the horizontal one to DRMS squared. Of lines that are predicted at their
+        medians.
+        """
+        if LENGTHS.get(quantity) == axis:
+            return self.horizontal_variance(quantity)
+        row = SEEN.index((quantity, axis))
+        return np.asarray(self.covariance[:, :, row, row])
+
+    def reach(self, coverage: float, quantity: str, axis: str) -> Array:
+        """Return what one error is below with a coverage, shape (n_times,) [SI].
+
+        Of the horizontal one the radius of its circle.
+        """
+        if LENGTHS.get(quantity) == axis:
+            return self.radius(coverage, quantity)
+        own = self.variance(quantity, axis)
+        return self._reach(coverage, np.stack([own, 0.0 * own, 0.0 * own], axis=1))
 
     def drms(self, quantity: str = "position") -> Array:
         """Return the root of the sum of squared u north and east, (n_times,) [SI]."""
@@ -98,6 +116,13 @@ class Curve(Shown):
         a, b = _plane(quantity)
         C = self.covariance
         each = np.stack([C[..., a, a], C[..., b, b], C[..., a, b]], axis=1)
+        return self._reach(coverage, each)
+
+    def _reach(self, coverage: float, each: Array) -> Array:
+        """Return radii of two variances and a covariance by source, (n_times,) [SI].
+
+        `each` has the shape (n_sources, 3, n_times).
+        """
         if self.mixture is not None:
             return self.mixture.radius(coverage, self.sources, each)
         return radius_of(coverage, principal_variances(*each.sum(axis=0)))

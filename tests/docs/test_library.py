@@ -406,9 +406,11 @@ def test_figures_of_a_result(judged):
     for figure in (
         *(plot.overview(), plot.limits(), plot.coupling("accelerometer")),
         *(plot.tornado(), plot.waterfall("gyro.bias"), plot.correlation()),
+        *(plot.shares(), plot.positions(), plot.allan(), plot.allan("accelerometer")),
     ):
         assert figure.get_label()
         assert figure.axes
+        assert judged.title in {text.get_text() for text in figure.texts}
     worst = max(judged.assessment.outputs, key=lambda row: row.utilisation)
     label = plot.contributions().get_label()
     assert label == plot.contributions(str(worst.output.name.group)).get_label()
@@ -421,7 +423,7 @@ def test_figures_that_there_are_complete(result, judged, flight):
         for name in dir(one.plot):
             assert getattr(one.plot, name)().get_label(), name
     assert "limits" not in dir(result.plot)
-    assert set(dir(judged.plot)) - set(dir(result.plot)) == {"limits"}
+    assert set(dir(judged.plot)) - set(dir(result.plot)) <= {"limits", "tornado"}
     assert {"growth", "shares"} < set(dir(flight.plot))
     assert not {"coupling", "schedule", "indices"} & set(dir(flight.plot))
     assert "limits" in repr(judged.plot)
@@ -440,6 +442,22 @@ def test_a_figure_shows_itself(judged):
     assert root.tag.endswith("svg")
     assert not list(root.iter("{http://www.w3.org/2000/svg}text"))  # needs no font
     assert repr(figure) == f"<Figure: {figure.get_label()}>"
+
+
+@pytest.mark.usefixtures("drawn_once")
+def test_figures_of_a_mission(result):
+    """Its errors over time and where they are; a calibration alone has none."""
+    found = budget.analyze("zhao-2019", mission="outage-60-s", validate=False)
+    for figure in (
+        *(found.plot.growth(), found.plot.growth("attitude.heading")),
+        *(found.plot.track(), found.plot.shares()),
+    ):
+        assert figure.get_label()
+        assert found.title in {text.get_text() for text in figure.texts}
+    with pytest.raises(budget.CallError, match=r"can show: .*velocity\.down"):
+        found.plot.growth("position.up")
+    with pytest.raises(budget.CallError, match="mission="):
+        result.plot.track()
 
 
 def test_a_figure_that_there_is_not_is_refused(result):

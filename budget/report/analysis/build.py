@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.inputs.records import UNCALIBRATED
+from budget.inputs.records import ANGLES, AXES, UNCALIBRATED
 from budget.model.sources import STATION
+from budget.names import Name
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -249,19 +250,21 @@ def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
     The others stand under Inputs.
     """
     counts = {
-        str(part.source)
-        for one in own
-        for row in one.outputs
-        for part in row.contributions
-        if part.share >= SMALL_SHARE
+        Name(source.quantity, owner=source.owner, axis=axis)
+        for source in {
+            part.source
+            for one in own
+            for row in one.outputs
+            for part in row.contributions
+            if part.share >= SMALL_SHARE
+        }
+        for axis in ("", *AXES, *ANGLES)
     }
     texts = dict.fromkeys(text for one in own for text in one.assumptions)
     return tuple(
         text
         for text in texts
-        if not (key := _assumed(text)[0])
-        or key == STATION
-        or any(key == one or key.startswith(f"{one}.") for one in counts)
+        if not (key := _assumed(text)[0]) or key == STATION or key in counts
     )
 
 

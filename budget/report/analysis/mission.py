@@ -12,6 +12,7 @@ from budget.report.analysis.verdict import answer_rows
 from budget.report.blocks import Abreast, Card, Paragraph
 from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
+from budget.report.figures.track import Way, track_picture
 from budget.report.inputs import inputs_section, print_degrees
 from budget.report.mission import (
     PLANE,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Block, Document, Picture, Section
     from budget.results import Assessment, Budget
+    from budget.studies.mission import Curve
 
 COMMAND = "budget mission"
 SPANS = 3  # of an aid, which are shown
@@ -104,12 +106,27 @@ def mission_document(
 
 
 def mission_figures(budget: Budget) -> tuple[Picture, ...]:
-    """Return the figures of a mission, that of page one first; () if none varies."""
+    """Return the figures of a mission, that of page one first; () if none varies.
+
+    Its errors over time, and where they are.
+    """
     analysis = analysis_of(budget)
     asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
     times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
     limits = () if budget.assessment is None else budget.assessment.outputs
-    return growth_pictures(curve(analysis, times), limits)
+    found = curve(analysis, times)
+    way = way_with_errors(budget, found)
+    track = () if way is None else (track_picture(way),)
+    return (*growth_pictures(found, limits), *track)
+
+
+def way_with_errors(budget: Budget, found: Curve) -> Way | None:
+    """Return the track of a mission with ellipses at the times that are asked for."""
+    journey = analysis_of(budget).journey
+    if journey is None:
+        return None
+    times = [one.time for one in by_time(budget)]
+    return Way.of(journey.route, found, times, budget.settings.coverage)
 
 
 def mission_card(budget: Budget) -> Card:

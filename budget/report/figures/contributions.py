@@ -13,11 +13,11 @@ from budget.language import key_title
 from budget.report.figures.rows import Bar, Chart, Group, Head, Panel, Row, Scale, Side
 from budget.report.figures.style import (
     BLUE,
-    GRID,
     HATCH,
     INK,
     MUTED,
     ON_DARK,
+    REST,
     VERMILION,
     WIDE,
     WIDTH,
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
     from budget.results import Assessment, Budget
 
+FEWEST = 2  # sources: one bar alone says nothing that a sentence does not
 MOST_ROWS = 7  # sources that have a row of their own
 PITCH = 14.0  # from row to row [pt]
 AIR = 1.06  # reach of an axis over the longest bar [1]
@@ -109,7 +110,7 @@ class Critical:
 def tornado_chart(critical: Critical) -> Chart | None:
     """Show what one standard uncertainty of each source moves the output by.
 
-    None without spread. The budget table has the numbers.
+    None of fewer than two. The budget table has the numbers.
     """
     group, place = critical.group, critical.place
 
@@ -119,7 +120,7 @@ def tornado_chart(critical: Critical) -> Chart | None:
 
     sources = [one for one in critical.sources if linear(one).exact > 0.0]
     sources.sort(key=lambda one: -settle(linear(one).exact))
-    if not sources:
+    if len(sources) < FEWEST:
         return None
     rows = []
     for source in sources:
@@ -171,7 +172,7 @@ def waterfall_chart(critical: Critical) -> Chart | None:
 
     From the largest down, by k and u of the law; what an interval of trials differs
     from that by is a step of its own. Then the mean error, where there is one: the
-    middle of the interval. None without spread.
+    middle of the interval. None of fewer than two steps.
     """
     group, place, row = critical.group, critical.place, critical.row
     sources = critical.sources
@@ -195,6 +196,8 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     if row.by:
         look = (MUTED, HATCH, "")
         rows.append(_step(said("trials"), reached, whole, u, look))
+    if len(rows) < FEWEST:
+        return None
     head = f"U{coverage}" if row.by else f"U{coverage} = k u"
     rows.append(_total(head, whole, row.expanded.text))
     mean = abs(row.low.exact + row.high.exact) / 2.0
@@ -202,7 +205,7 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     largest = max(abs(row.low.exact), abs(row.high.exact))
     if has_mean:
         label = said("mean", row=row)
-        rows.append(_step(label, whole, whole + mean, u, (GRID, HATCH, "")))
+        rows.append(_step(label, whole, whole + mean, u, (REST, HATCH, "")))
         text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
         rows.append(_total(said("largest"), largest, text.lstrip("-")))
     limit = critical.limit
@@ -345,7 +348,7 @@ def _cell(x: int, r: float, one: Name, other: Name) -> Bar:
         opacity=opacity,
         height=13.0,
         text=_per_cent(r),
-        text_colour=ON_DARK if opacity == 1.0 and r > 0.0 else INK,
+        text_colour=ON_DARK if opacity == 1.0 else INK,
         tip=said("correlation_tip", one=one, other=other, r=_per_cent(r)),
     )
 

@@ -1,4 +1,4 @@
-"""How the horizontal error of a mission grows, and which source makes it when."""
+"""How an error of a mission grows against its limits, and what makes it when."""
 
 from __future__ import annotations
 
@@ -9,21 +9,31 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.names import LENGTHS, SPANS, time_text
+from budget.language import say
+from budget.model.source import ACCELEROMETER
+from budget.names import LENGTHS, MISSION, SPANS, time_text
+from budget.report.figures.lines import name_lines, on_paper
 from budget.report.figures.style import (
+    GRID,
+    HATCH,
     INK,
+    MUTED,
+    OTHER,
     PAPER,
     SMALL,
+    WIDTH,
+    add_panel,
     as_picture,
+    blank,
     house_style,
     look_of,
-    plane,
-    write,
+    text_width,
 )
 from budget.report.pages import blocks, line
-from budget.report.tables import full_title
+from budget.report.tables import UNITS, full_title, length, round_uncertainty, unit_for
 from budget.results import CEP, R95
-from budget.ties import from_largest
+from budget.ties import first_largest, from_largest
+from budget.units import DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,11 +44,14 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.names import Name
     from budget.report.blocks import Picture
+    from budget.report.tables import Unit
     from budget.results import OutputAssessment
     from budget.studies.mission import Curve
 
-HEIGHT = 230.0  # [pt]
-SHOWN = 4  # sources with a line or an area of their own
+# Heights of the errors, of the strip of shares, and what is around them [pt].
+ABOVE, ERRORS, BETWEEN, STRIP, BELOW = 12.0, 140.0, 12.0, 104.0, 34.0
+LEFT, RIGHT = 64.0, 106.0  # [pt]
+SHOWN = 4  # sources with an area of their own
 LEAST = 0.02  # of the variance at any time, to be one of them [1]
 REACH = 1e7  # of the vertical axis: below the largest by more nothing is seen [1]
 AREA = 0.12  # of the variance, for a name within its area [1]
@@ -50,25 +63,25 @@ TICKS = (  # [s]
 )
 TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
 MOST_TICKS = 6  # of an even axis of times
-AIDED = "#e4e8ed"  # of the times with aids
-APART = 0.11  # of the axis, between two names beside it [1]
+AIDED = 0.5  # opacity behind the times with aids
+PLANE = ("position", LENGTHS["position"])
 said = partial(line, "figures_growth")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Growth:
-    """A curve with what is drawn of it."""
+    """One error of a mission over time, with what is drawn of it."""
 
     curve: Curve
-    cep: Array  # shape (n_times,) [m]
-    r95: Array  # shape (n_times,) [m]
-    sources: tuple[Name, ...]  # those with a line of their own
+    error: tuple[str, str]  # quantity and axis
+    sizes: dict[str, Array]  # by their names, the largest first, shape (n_times,) [SI]
+    sources: tuple[Name, ...]  # those with an area of their own
     shares: Array  # of them, then of all others together, (n + 1, n_times) [1]
 
     @classmethod
-    def of(cls, curve: Curve) -> Growth | None:
+    def of(cls, curve: Curve, error: tuple[str, str] = PLANE) -> Growth | None:
         """Choose the sources that are largest at some time; None if nothing varies."""
-        variance = curve.horizontal_variance()
+        variance = curve.variance(*error)
         total = variance.sum(axis=0)
         if not (total > 0.0).all():
             return None
@@ -76,102 +89,132 @@ class Growth:
         most = shares.max(axis=1)
         order = [k for k in from_largest(most.tolist()) if most[k] >= LEAST][:SHOWN]
         own = shares[order]
+        is_plane = LENGTHS.get(error[0]) == error[1]
+        names = {"R95": R95, "CEP": CEP} if is_plane else {"U95": R95}
         return cls(
             curve=curve,
-            cep=curve.radius(CEP),
-            r95=curve.radius(R95),
+            error=error,
+            sizes={name: curve.reach(part, *error) for name, part in names.items()},
             sources=tuple(curve.sources[k] for k in order),
             shares=np.vstack([own, np.delete(shares, order, axis=0).sum(axis=0)]),
         )
 
     @property
-    def leaders(self) -> tuple[tuple[Name, float], ...]:
-        """Who contributes most, each with the time from which it does [s]."""
-        found: list[tuple[Name, float]] = []
-        for name, time in zip(self.curve.dominant, self.curve.times, strict=True):
-            if not found or found[-1][0] != name:
-                found.append((name, time))
-        return tuple(found)
+    def names(self) -> tuple[str, ...]:
+        """Titles of the sources, and of all others together."""
+        return (*map(full_title, self.sources), said("others"))
+
+    @property
+    def title(self) -> str:
+        """'horizontal position', 'heading'."""
+        quantity, axis = self.error
+        return say(axis if quantity == "attitude" else f"{axis} {quantity}")
+
+    @property
+    def unit(self) -> Unit:
+        """What its size at the end is read in."""
+        quantity, axis = self.error
+        like = axis if axis in UNITS else quantity
+        return unit_for(like, float(next(iter(self.sizes.values()))[-1]))
+
+    def printed(self, size: float) -> str:
+        """Print one of its sizes [SI], a length in the unit that it is read in."""
+        if self.error[0] == "position":
+            return length(size)
+        unit, scale = self.unit
+        return f"{round_uncertainty(size / scale)} {unit}"
 
 
 def growth_pictures(
     curve: Curve, limits: Sequence[OutputAssessment] = ()
 ) -> tuple[Picture, ...]:
-    """Return both figures of a mission; () where nothing varies."""
-    growth = Growth.of(curve)
-    if growth is None:
-        return ()
-    return (growth_picture(growth, limits), shares_picture(growth))
+    """Return a figure of the horizontal position and of each other limited error.
+
+    Without those in which nothing varies.
+    """
+    names = (row.output.name for row in limits if row.output.name.owner == MISSION)
+    errors = dict.fromkeys((PLANE, *((name.quantity, name.axis) for name in names)))
+    every = (Growth.of(curve, error) for error in errors)
+    return tuple(growth_picture(one, limits) for one in every if one is not None)
 
 
 def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
-    """Show CEP, R95, limits and the parts of the largest sources over time."""
-    curve, lines = growth.curve, _lines(growth)
-    figure = growth_figure(growth, limits)
-    title = str(figure.get_label())
-    rows = zip(
-        map(_around, curve.times), growth.cep, growth.r95, growth.shares.T, strict=True
+    """Show an error over time against its limits, and below it who makes it when.
+
+    Shares are of the variance: they alone add up.
+    """
+    curve, own = growth.curve, _limits_on(growth, limits)
+    name = "-".join(
+        ("mission-growth", *(growth.error if growth.error != PLANE else ()))
     )
-    data: Any = blocks("figures_growth", "data", names=_names(growth), rows=rows)[0]
+    title, tips = growth_title(growth), _tips(growth)
+    rows = zip(
+        map(_around, curve.times),
+        *growth.sizes.values(),
+        growth.shares.T,
+        strict=True,
+    )
+    data: Any = blocks(
+        "figures_growth",
+        "data",
+        name=name,
+        growth=growth,
+        scale=growth.unit[1],
+        rows=[(after, sizes, shares) for after, *sizes, shares in rows],
+    )[0]
     return as_picture(
-        figure,
-        name="mission-growth",
+        draw_growth(growth, limits),
+        name=name,
         title=title,
         alt=said(
             "alt",
             title=title,
             first=_around(curve.times[0]),
             end=curve.times[-1],
-            lines=lines.values(),
+            parts=(*tips.values(), *(said("limit_said", row=row) for row in own)),
         ),
-        tips=lines,
-        caption=said(
-            "caption", has_limits=_horizontal(limits), has_aids=curve.measured
-        ),
+        tips=tips,
+        caption=said("caption", has_limits=bool(own), has_aids=bool(curve.measured)),
         data=data,
         data_on_paper=False,
     )
 
 
-def shares_picture(growth: Growth) -> Picture:
-    """Show the shares of the variance over time, one upon the other."""
-    figure = shares_figure(growth)
-    title = str(figure.get_label())
-    parts = {
-        f"area-{k}": said("area_tip", name=name, shares=shares)
-        for k, (name, shares) in enumerate(
-            zip(_names(growth), growth.shares, strict=True)
-        )
-        if shares.any()
-    }
-    return as_picture(
-        figure,
-        name="mission-shares",
-        title=title,
-        alt=said("shares_alt", title=title, parts=parts.values()),
-        tips=parts,
+def growth_title(growth: Growth) -> str:
+    """State the finding: how far off at the end, and what makes most of it."""
+    last = growth.shares[:-1, -1].tolist()
+    top = first_largest(last) if last else 0
+    name = list(growth.sizes)[-1]
+    return said(
+        "title",
+        growth=growth,
+        name=name,
+        size=growth.printed(growth.sizes[name][-1]),
+        end=growth.curve.times[-1],
+        source=growth.names[top],
+        share=growth.shares[top, -1],
     )
 
 
-def _names(growth: Growth) -> tuple[str, ...]:
-    """Return the titles of the sources, and of all others together."""
-    return (*map(full_title, growth.sources), said("others"))
-
-
-def _lines(growth: Growth) -> dict[str, str]:
-    """Say where each line begins and ends."""
-    named = {
-        "line-r95": ("R95", growth.r95),
-        "line-cep": ("CEP", growth.cep),
-        **{
-            f"line-{k}": (name, growth.cep * np.sqrt(growth.shares[k]))
-            for k, name in enumerate(_names(growth)[:-1])
-        },
+def _tips(growth: Growth) -> dict[str, str]:
+    """Say where each line begins and ends, and of each area its shares."""
+    lines = {
+        f"line-{name.lower()}": said(
+            "line_tip",
+            name=name,
+            low=growth.printed(sizes[0]),
+            high=growth.printed(sizes[-1]),
+        )
+        for name, sizes in growth.sizes.items()
     }
-    return {
-        key: said("line_tip", name=name, sizes=values)
-        for key, (name, values) in named.items()
+    areas = {
+        f"area-{k}": said("area_tip", name=name, shares=shares)
+        for k, (name, shares) in enumerate(
+            zip(growth.names, growth.shares, strict=True)
+        )
+        if shares.any()
     }
+    return lines | areas
 
 
 def _around(time: float) -> str:
@@ -182,160 +225,130 @@ def _around(time: float) -> str:
     return f"{float(f'{time / size:.2g}'):g} {unit}"
 
 
-def _horizontal(limits: Sequence[OutputAssessment]) -> list[OutputAssessment]:
-    """Return the limits on the horizontal position."""
+def _limits_on(
+    growth: Growth, limits: Sequence[OutputAssessment]
+) -> list[OutputAssessment]:
+    """Return the limits on this error."""
     return [
         row
         for row in limits
-        if (row.output.name.quantity, row.output.name.axis)
-        == ("position", LENGTHS["position"])
+        if (row.output.name.quantity, row.output.name.axis) == growth.error
+        and row.output.name.owner == MISSION
     ]
 
 
 @house_style()
-def growth_figure(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figure:
-    """Draw all lines on two logarithmic axes."""
-    title = said("title", cep=growth.cep[-1], end=growth.curve.times[-1])
-    own = _horizontal(limits)
-    largest = max(float(growth.r95.max()), *(row.limit for row in own), 0.0)
-    figure, axes = plane(title, said("time_axis"), said("error_axis"), HEIGHT)
-    figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
-    x = np.array(growth.curve.times)
-    _across(axes, growth.curve)
-    for begin, end in growth.curve.measured:
-        if end > x[0]:
-            axes.axvspan(max(begin, x[0]), end, color=AIDED, linewidth=0.0, zorder=0.0)
-    axes.set_yscale("log")
-    low = max(float(growth.cep.min()) / 3.0, largest / REACH)
-    axes.set_ylim(low, 2.0 * largest)
-    names: list[tuple[float, str, str]] = []
-    for key, values, width, text in (
-        ("line-r95", growth.r95, 1.0, "R95"),
-        ("line-cep", growth.cep, 1.8, "CEP"),
+def draw_growth(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figure:
+    """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
+    figure = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
+    figure.set_label(growth_title(growth))
+    width = WIDTH - LEFT - RIGHT
+    top = ABOVE
+    for height, draw_on, label in (
+        (
+            ERRORS,
+            partial(_draw_errors, limits=_limits_on(growth, limits)),
+            "error_axis",
+        ),
+        (STRIP, _draw_shares, "share_axis"),
     ):
-        axes.plot(x, values, color=INK, linewidth=width, gid=key)
-        names.append((float(values[-1]), text, INK))
-    for k, source in enumerate(growth.sources):
-        values = growth.cep * np.sqrt(growth.shares[k])
-        colour = look_of(source)[0]
-        axes.plot(
-            x,
-            values,
-            color=colour,
-            linewidth=1.4,
-            linestyle="-" if source.owner == "gyro" else "--",
-            gid=f"line-{k}",
-        )
-        names.append((float(values[-1]), full_title(source), INK))
-    for row in own:
-        at = (row.output.name.time or 0.0, row.limit)
-        axes.plot(*at, marker="D", color=PAPER, markeredgecolor=INK, markersize=5.5)
-        _on_paper(axes, row.printed_limit, at, (-8.0, 0.0), ha="right")
-    _name_lines(axes, names)
-    _time_ticks(axes)
-    _length_ticks(axes)
+        axes = add_panel(figure, left=LEFT, top=top, width=width, height=height)
+        axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
+        axes.grid(color=GRID, linewidth=0.6)
+        axes.set_ylabel(said(label), fontsize=SMALL, color=MUTED)
+        _across(axes, growth.curve)
+        draw_on(axes, growth)
+        _time_ticks(axes)
+        top += height + BETWEEN
+    figure.axes[0].tick_params(labelbottom=False)
+    how = "even" if growth.curve.measured else "log"
+    axes.set_xlabel(said("time_axis", how=how), fontsize=SMALL, color=MUTED)
     return figure
 
 
-@house_style()
-def shares_figure(growth: Growth) -> Figure:
-    """Draw areas one upon the other, the largest source at the bottom."""
-    leaders = growth.leaders
-    last, since = leaders[-1]
-    title = said(
-        "shares_title",
-        source=full_title(last),
-        since=_around(since) if len(leaders) > 1 else "",
-    )
-    figure, axes = plane(
-        title,
-        said("time_axis"),
-        said("share_axis"),
-        HEIGHT,
-    )
-    figure.axes[0].set_position((0.16, 0.15, 0.52, 0.79))
+def _draw_errors(
+    axes: Axes, growth: Growth, *, limits: Sequence[OutputAssessment]
+) -> None:
+    """Draw how large the error is, and what it may be when."""
     x = np.array(growth.curve.times)
-    _across(axes, growth.curve)
+    every = growth.sizes.values()
+    largest = max([float(one.max()) for one in every] + [row.limit for row in limits])
+    least = min(float(one.min()) for one in every)
+    for begin, end in growth.curve.measured:
+        if end > x[0]:
+            axes.axvspan(
+                max(begin, x[0]),
+                end,
+                color=GRID,
+                alpha=AIDED,
+                linewidth=0.0,
+                zorder=0.0,
+            )
+    axes.set_yscale("log")
+    axes.set_ylim(max(least / 2.0, largest / REACH), 2.0 * largest)
+    for width, (name, sizes) in zip((1.8, 1.0), growth.sizes.items(), strict=False):
+        axes.plot(x, sizes, color=INK, linewidth=width, gid=f"line-{name.lower()}")
+    for row in limits:
+        at = (row.output.name.time or 0.0, row.limit)
+        axes.plot(
+            *at,
+            marker="D",
+            color=PAPER,
+            markeredgecolor=INK,
+            markersize=5.5,
+            clip_on=False,
+            zorder=4.0,
+        )
+        is_early = at[0] < sum(axes.get_xlim()) / 2.0
+        ends = (8.0, "left") if is_early else (-8.0, "right")
+        on_paper(axes, row.printed_limit, at, (ends[0], 0.0), ha=ends[1])
+    name_lines(axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()])
+    _size_ticks(axes, growth.error[0])
+
+
+def _draw_shares(axes: Axes, growth: Growth) -> None:
+    """Draw areas one upon the other, the largest source at the bottom."""
+    x = np.array(growth.curve.times)
     for time in {time for span in growth.curve.measured for time in span}:
         if x[0] < time < x[-1]:
             axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
     axes.set_ylim(0.0, 100.0)
     below = np.zeros(x.size)
-    names: list[tuple[float, str, str]] = []
-    for k, name in enumerate(_names(growth)):
+    names: list[tuple[float, str]] = []
+    for k, name in enumerate(growth.names):
         shares = 100.0 * np.maximum(growth.shares[k], 0.0)
-        is_other = k == len(growth.sources)
-        source = None if is_other else growth.sources[k]
+        source = growth.sources[k] if k < len(growth.sources) else OTHER
+        colour, hatch, _ = look_of(source)
         axes.fill_between(
             x,
             below,
             below + shares,
-            facecolor="#c3c7cc" if source is None else look_of(source)[0],
+            facecolor=colour,
             edgecolor=PAPER,
             linewidth=0.8,
-            hatch="" if source is None or source.owner == "gyro" else "////",
+            hatch=hatch or (HATCH if source.owner == ACCELEROMETER else ""),
             gid=f"area-{k}",
         )
         peak = int(np.argmax(shares))
         if shares[-1] >= 100.0 * LEAST:
-            names.append((float(below[-1] + shares[-1] / 2.0), name, INK))
+            names.append((float(below[-1] + shares[-1] / 2.0), name))
         elif shares[peak] >= 100.0 * AREA:
             inner = max(peak, x.size // 8)
             place, middle = float(x[inner]), float((below + shares / 2.0)[inner])
-            _on_paper(axes, name, (place, middle), (0.0, 0.0))
+            room = WIDTH - LEFT - RIGHT - text_width(name) - AIR
+            at = (WIDTH - LEFT - RIGHT) * _across_part(axes, place)
+            on_paper(axes, name, (place, middle), (min(room - at, 0.0), 0.0))
         below = below + shares
-    _name_lines(axes, names)
-    _time_ticks(axes)
-    return figure
+    name_lines(axes, names)
 
 
-def _name_lines(axes: Axes, names: Sequence[tuple[float, str, str]]) -> None:
-    """Write names beside the ends of lines, apart from one another."""
-    low, high = axes.get_ylim()
-    is_log = axes.get_yscale() == "log"
-
-    def place(value: float) -> float:
-        if is_log:
-            return float(np.log(max(value, low) / low) / np.log(high / low))
-        return (value - low) / (high - low)
-
-    ranked = sorted(((place(v), text, ink) for v, text, ink in names), reverse=True)
-    at = [min(y, 1.0) for y, _, _ in ranked]
-    for k in range(1, len(at)):
-        at[k] = min(at[k], at[k - 1] - APART * _rows_of(ranked[k - 1][1]))
-    if at and at[-1] < 0.0:  # push up from below
-        at[-1] = 0.0
-        for k in range(len(at) - 2, -1, -1):
-            at[k] = max(at[k], at[k + 1] + APART * _rows_of(ranked[k][1]))
-    for y, (_, text, ink) in zip(at, ranked, strict=True):
-        write(
-            axes,
-            _folded(text),
-            (1.0, y),
-            (5.0, 0.0),
-            colour=ink,
-            coords=("axes fraction", "axes fraction"),
-        )
+AIR = 4.0  # between a name and the edge [pt]
 
 
-FOLD = 18  # characters of a name in a line beside a figure
-
-
-def _folded(text: str) -> str:
-    """Break a long name in two lines."""
-    if len(text) <= FOLD or " " not in text:
-        return text
-    words = text.split(" ")
-    cuts = range(1, len(words))
-    best = min(
-        cuts, key=lambda k: max(len(" ".join(words[:k])), len(" ".join(words[k:])))
-    )
-    return "\n".join((" ".join(words[:best]), " ".join(words[best:])))
-
-
-def _rows_of(text: str) -> float:
-    """Return how much room a name takes, in single lines over two [1]."""
-    return 1.0 if "\n" in _folded(text) else 0.6
+def _across_part(axes: Axes, time: float) -> float:
+    """Return how far across the axes a time is [1]."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    return float(to_axes.transform((time, 0.0))[0])
 
 
 def _across(axes: Axes, curve: Curve) -> None:
@@ -360,47 +373,31 @@ def _time_ticks(axes: Axes) -> None:
     axes.minorticks_off()
 
 
-def _length_ticks(axes: Axes) -> None:
-    """Tick a logarithmic axis of lengths at powers of ten, in units that one reads."""
+def _size_ticks(axes: Axes, quantity: str) -> None:
+    """Tick a logarithmic axis at powers of ten, in units that one reads."""
     low, high = axes.get_ylim()
-    powers = range(ceil(log10(low)), floor(log10(high)) + 1)
+    units = DECADES[quantity]
+    base = units[-1][1] if quantity == "attitude" else 1.0
+    powers = range(ceil(log10(low / base)), floor(log10(high / base)) + 1)
     step = ceil(len(powers) / MOST_POWERS)
-    sizes = [10.0**power for power in powers[::step]]
-    axes.set_yticks(sizes, [_decade(size) for size in sizes])
+    sizes = [base * 10.0**power for power in powers[::step]]
+    axes.set_yticks(sizes, [_decade(size, units) for size in sizes])
     axes.minorticks_off()
 
 
 MOST_POWERS = 7  # on an axis
 
 
-def _decade(size: float) -> str:
-    """Print a power of ten as a length: '1 cm', '10 m', '1 km'."""
+def _decade(size: float, units: Sequence[Unit]) -> str:
+    """Print a power of ten in the unit that it is read in: '1 cm', '10 m', '1 km'."""
     unit, scale = next(
-        ((unit, scale) for unit, scale in DECADES if size >= 0.999 * scale), DECADES[-1]
+        ((unit, scale) for unit, scale in units if size >= 0.999 * scale), units[-1]
     )
     return f"{size / scale:g} {unit}"
 
 
-DECADES = (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3))
-
-
-def _on_paper(
-    axes: Axes,
-    text: str,
-    at: tuple[float, float],
-    shift: tuple[float, float],
-    *,
-    ha: str = "left",
-) -> None:
-    """Write a text over lines or areas, on paper of its own."""
-    axes.annotate(
-        text,
-        at,
-        xytext=shift,
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        ha=ha,
-        va="center",
-        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
-    )
+DECADES = {
+    "position": (("km", 1e3), ("m", 1.0), ("cm", 1e-2), ("mm", 1e-3)),
+    "velocity": (("m/s", 1.0), ("cm/s", 1e-2), ("mm/s", 1e-3)),
+    "attitude": (("deg", DEGREE),),
+}

@@ -96,9 +96,9 @@ MOST_LINEAR = 4.0  # utilisations beyond need a logarithmic axis [1]
 
 def utilisation_chart(assessment: Assessment) -> Chart:
     """Show each required output's largest error against its limit, worst first."""
-    said = texts(PAGE, "used")
     most = max(output.utilisation for output in assessment.outputs)
     is_log = most > MOST_LINEAR
+    said = texts(PAGE, "used", is_log=is_log)
     scale = Scale(
         low=1.0 if is_log else 0.0,  # what is less sits at the edge, its label is exact
         high=100.0 * max(1.05 * most, 1.2),

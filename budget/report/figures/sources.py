@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from budget.language import key_title, words
 from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
-from budget.names import IMU
+from budget.names import IMU, LENGTHS
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -30,6 +30,7 @@ from budget.report.figures.style import (
     OTHER,
     PAPER,
     STYLES,
+    WIDE,
     WIDTH,
     fits,
     in_order,
@@ -39,6 +40,8 @@ from budget.report.pages import line, table, texts
 from budget.report.tables import (
     ALL,
     SMALL_SHARE,
+    full_title,
+    group_tables,
     print_given,
     print_index,
     print_share,
@@ -48,7 +51,7 @@ from budget.results import widest_of_each
 from budget.ties import largest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from budget.names import Name
     from budget.report.figures.rows import Mark
@@ -58,6 +61,7 @@ if TYPE_CHECKING:
 
 PAGE = "figures_sources"
 SPAN = WIDTH - 36.0  # of the whole variance at least [pt]
+GROUP_SPAN = WIDE - 220.0  # of the whole variance among names of groups [pt]
 VISIBLE = 0.002  # share below which a segment is thinner than a line [1]
 
 
@@ -116,7 +120,11 @@ def share_chart(group: GroupTable) -> Chart:
 
 def _segments(group: GroupTable, place: int) -> list[tuple[Name, float]]:
     """Return (source, share) of one bar in fixed order, small ones gathered."""
-    shares = {row.source: row.cells[place].share.exact for row in group.sources}
+    return gathered({row.source: row.cells[place].share.exact for row in group.sources})
+
+
+def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
+    """Return shares of one variance in fixed order, those below 1 % as one."""
     bar = [
         (name, shares[name])
         for name in in_order(shares)
@@ -159,6 +167,131 @@ def _segment_bars(
                 share=share,
                 alone=alone.get(source),
             ),
+        )
+        start += share
+
+
+FEWEST, MOST_BARS = 2, 12  # bars: one says nothing that a sentence does not
+
+
+def group_shares_chart(budget: Budget) -> Chart | None:
+    """Show what the variance of each group of outputs is made of, a stacked bar each.
+
+    Of a group the shares are those of the sum of its variances; of a mission each
+    output has its bar, accelerometers hatched. None of one bar, or without spread.
+    """
+    every = _bars(budget)
+    bars = every[:MOST_BARS]
+    if len(bars) < FEWEST:
+        return None
+    said = texts(
+        PAGE,
+        "group_shares",
+        bars=[(name, *max(bar, key=lambda one: one[1])) for name, bar in bars],
+    )
+    seen = dict.fromkeys(
+        name for _, bar in bars for name, share in bar if share >= VISIBLE
+    )
+    is_mission = all(row.output.name.time is not None for row in budget.outputs)
+    title = full_title if is_mission else source_title
+    rows = tuple(
+        Row(
+            label=name,
+            marks=tuple(_group_bars(name, bar, title)),
+            said=line(PAGE, "group_shares_row", name=name, bar=bar),
+        )
+        for name, bar in bars
+    )
+    named = {mark.text for row in rows for mark in row.marks if isinstance(mark, Bar)}
+    scale = Scale(
+        low=0.0,
+        high=100.0,
+        ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
+        label=said.label,
+    )
+    return Chart(
+        name="shares",
+        title=said.title,
+        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
+        lead=said.lead,
+        pitch=19.0,
+        width=WIDE,
+        legend=tuple(
+            dict.fromkeys(
+                (*_look(name, title)[:2], said.other if name == OTHER else title(name))
+                for name in in_order(seen)
+                if title(name) not in named
+            )
+        ),
+        data=table(PAGE, "group_shares_data", bars=bars),
+        data_on_paper=False,
+    )
+
+
+def _bars(budget: Budget) -> list[tuple[str, list[tuple[Name, float]]]]:
+    """Return the bars of groups, or of the outputs of a mission, by their names."""
+    if all(row.output.name.time is not None for row in budget.outputs):
+        return [
+            (
+                key_title(row.output.name),
+                gathered({part.source: part.share for part in row.contributions}),
+            )
+            for row in _of_mission(budget)
+            if row.is_resolved
+        ]
+    return [
+        (group.title, gathered({row.source: row.share.exact for row in group.sources}))
+        for group in group_tables(budget)
+        if any(row.expanded.exact > 0.0 for row in group.rows)
+    ]
+
+
+def _of_mission(budget: Budget) -> list[OutputBudget]:
+    """Return limited outputs, else position by time, and attitude at the end."""
+    if budget.assessment is not None:
+        limited = {row.output.name for row in budget.assessment.outputs}
+        return [row for row in budget.outputs if row.output.name in limited]
+    end = max(row.output.name.time or 0.0 for row in budget.outputs)
+    plane = ("position", LENGTHS["position"])
+    return [
+        *(row for row in budget.outputs if (row.parameter, row.axis) == plane),
+        *(
+            row
+            for row in budget.outputs
+            if row.parameter == "attitude" and row.output.name.time == end
+        ),
+    ]
+
+
+def _look(source: Name, title: Callable[[Name], str]) -> tuple[str, str, str]:
+    """Return the look of a source; of two triads in one bar the second is hatched."""
+    colour, hatch, ink = look_of(source)
+    if title is full_title and source.owner == ACCELEROMETER and not hatch:
+        return colour, HATCH, ""
+    return colour, hatch, ink
+
+
+def _group_bars(
+    name: str, bar: Sequence[tuple[Name, float]], title: Callable[[Name], str]
+) -> Iterator[Bar]:
+    """Yield the segments of one bar, named where the name fits, else with the share."""
+    start = 0.0
+    for source, share in bar:
+        colour, hatch, ink = _look(source, title)
+        room = share * GROUP_SPAN
+        label = next(
+            (text for text in (title(source), print_share(share)) if fits(text, room)),
+            "",
+        )
+        yield Bar(
+            start=100.0 * start,
+            end=100.0 * (start + share),
+            colour=colour,
+            hatch=hatch,
+            height=15.0,
+            text=label if ink and source != OTHER else "",
+            text_colour=ink or INK,
+            tip=line(PAGE, "group_share", name=name, source=source, share=share),
         )
         start += share
 

@@ -36,9 +36,11 @@ WIDE = 700.0  # [pt] of two columns and what is between them
 TEXT, SMALL = 9.0, 8.0  # [pt]
 INCH = 72.0  # [pt]
 
-# Okabe and Ito's eight; the ninth source is the second of the scale factor, hatched.
-ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
-BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#D55E00", "#CC79A7", "#000000"
+# The eight hues of Okabe and Ito, seven at lightnesses 12 % apart in grey, so chosen
+# that each has a contrast of 3:1 to a light paper and to a dark one. Black turns with
+# the paper. The ninth source is the second of the scale factor, hatched.
+ORANGE, SKY, GREEN, YELLOW = "#A77201", "#078DC5", "#009E73", "#A0970A"
+BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#AA4A01", "#B3548B", "#000000"
 INKS = {
     "orange": ORANGE,
     "sky": SKY,
@@ -50,8 +52,9 @@ INKS = {
     "black": BLACK,
 }
 ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
-DARK = ("blue", "black")
+DARK = ("blue", "vermilion", "purple", "black")
 HATCH = "////"
+REST = "#8e949c"  # of what has no look of its own
 OTHER = Name("other")
 # Of station and environment, in the order of the table: every ink, hatch by hatch.
 SHARED = {
@@ -79,8 +82,8 @@ STYLES = {  # source: (colour, hatch, colour of text), in the order of the segme
         for source in SOURCES
         if source.may_vary
     },
-    INTERACTION: ("#9aa0a6", "xxxx", ""),
-    OTHER: ("#c3c7cc", "", ON_LIGHT),
+    INTERACTION: (REST, "xxxx", ""),
+    OTHER: (REST, "", ON_LIGHT),
 }
 STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
     "svg.fonttype": "none",
@@ -253,6 +256,53 @@ def write(
         ha=ha,
         va=va,
     )
+
+
+HEAD_LINE, HEAD_EDGE = 12.0, 6.0  # height of a line above a figure, air around it [pt]
+
+
+@house_style()
+def headed(figure: Figure, about: str) -> Figure:
+    """Write above a figure that stands alone what it shows, and of what; return it.
+
+    On a page its heading says so.
+    """
+    width, height = (INCH * float(inches) for inches in figure.get_size_inches())
+    room = width - 2.0 * HEAD_EDGE
+    lines = [
+        *(
+            (one, TEXT, "bold", INK)
+            for one in folded(str(figure.get_label()), room, TEXT)
+        ),
+        *((one, SMALL, "normal", MUTED) for one in folded(about, room, SMALL)),
+    ]
+    whole = height + HEAD_LINE * len(lines) + 2.0 * HEAD_EDGE
+    for axes in figure.axes:
+        x, y, wide, tall = axes.get_position().bounds
+        axes.set_position((x, y * height / whole, wide, tall * height / whole))
+    for own in figure.texts:
+        own.set_y(own.get_position()[1] * height / whole)
+    figure.set_size_inches(width / INCH, whole / INCH)
+    for k, (text, size, weight, colour) in enumerate(lines, start=1):
+        base = HEAD_LINE * k + (0.0 if weight == "bold" else 1.0)
+        write_on(figure, HEAD_EDGE, base, text, size=size, weight=weight, colour=colour)
+    return figure
+
+
+WORD = re.compile(r"[\u2e80-\uffff]|[^\s\u2e80-\uffff]+\s*|\s+")
+BOLD = 1.15  # width of bold letters over that of others [1]
+
+
+def folded(text: str, room: float, size: float) -> list[str]:
+    """Break a text into lines that fit, between words, or within what has none [pt]."""
+    found = [""]
+    for word in WORD.findall(text):
+        longer = found[-1] + word
+        if found[-1] and BOLD * text_width(longer.rstrip(), size) > room:
+            found.append(word)
+        else:
+            found[-1] = longer
+    return [one.rstrip() for one in found if one.strip()]
 
 
 def plane(title: str, across: str, up: str, height: float) -> tuple[Figure, Axes]:

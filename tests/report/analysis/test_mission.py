@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from command_line import call, checked
 from document_text import find
+from figure_text import crossed_texts, cut_texts
 from numpy.testing import assert_allclose
 from places import TESTS
 from saying import assert_says
@@ -29,11 +30,16 @@ from budget.inputs import (
 )
 from budget.inputs.use import in_use
 from budget.language import speaking
-from budget.names import time_text
+from budget.names import Name, time_text
 from budget.report.analysis.mission import mission_figures, mission_section
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
-from budget.report.figures.growth import Growth, growth_pictures
+from budget.report.figures.growth import (
+    PLANE,
+    Growth,
+    draw_growth,
+    growth_pictures,
+)
 from budget.report.mission import by_time
 from budget.report.tables import unit_for
 from budget.results import Settings
@@ -88,36 +94,73 @@ def test_the_figure_ends_where_the_table_does():
     growth = Growth.of(grown())
     row = by_time(carried())[-1].horizontal
     assert growth.curve.times[-1] == 60.0
-    assert_allclose(growth.cep[-1], row.radii.cep, rtol=1e-9)
-    assert_allclose(growth.r95[-1], row.radii.r95, rtol=1e-9)
+    assert_allclose(growth.sizes["CEP"][-1], row.radii.cep, rtol=1e-9)
+    assert_allclose(growth.sizes["R95"][-1], row.radii.r95, rtol=1e-9)
     shares = {part.source: part.share for part in row.contributions}
     for k, source in enumerate(growth.sources):
         assert_allclose(growth.shares[k, -1], shares[source], rtol=1e-6)
 
 
-def test_lines_of_sources_add_up_to_the_circle():
-    """Their squares, with that of all others, are the square of CEP."""
-    growth = Growth.of(grown())
-    parts = growth.cep * np.sqrt(np.maximum(growth.shares, 0.0))
-    assert_allclose((parts**2).sum(axis=0), growth.cep**2, rtol=1e-9)
+ERRORS = (PLANE, ("attitude", "heading"), ("velocity", "north"))
 
 
-def test_figures_say_their_finding_and_their_numbers():
-    """Titles are findings; every line and area is in the alternative text."""
-    first, second = growth_pictures(grown())
-    assert_says(first.title, "1.2 m CEP after 1 min")
-    assert_says(first.alt, "R95", "accelerometer bias repeatability")
-    assert_says(second.alt, "all others", "of the variance at first")
-    assert {"line-cep", "line-r95", "line-0"} <= set(first.tips)
-    for name in ("mission-growth-line-cep", "mission-growth-line-0"):
+def test_areas_of_sources_add_up_to_the_whole():
+    """Of each error the shares of all sources are 1 at every time."""
+    for error in ERRORS:
+        growth = Growth.of(grown(), error)
+        assert_allclose(growth.shares.sum(axis=0), 1.0, rtol=1e-9)
+
+
+def test_one_error_is_below_what_the_normal_law_says():
+    """U95 of heading is 1.96 times its standard uncertainty."""
+    growth = Growth.of(grown(), ("attitude", "heading"))
+    u = grown().standard_uncertainty("attitude", "heading")
+    assert_allclose(growth.sizes["U95"], 1.959964 * u, rtol=1e-6)
+
+
+def test_the_figure_says_its_finding_and_its_numbers():
+    """Its title is a finding; every line and area is in the alternative text."""
+    (first,) = growth_pictures(grown())
+    assert_says(first.title, "1.2 m CEP after 1 min", "of the variance")
+    assert_says(first.alt, "R95", "accelerometer bias repeatability", "all others")
+    assert_says(first.alt, "of the variance at first")
+    assert {"line-cep", "line-r95", "area-0"} <= set(first.tips)
+    for name in ("mission-growth-line-cep", "mission-growth-area-0"):
         assert f'id="{name}"' in first.svg
+    assert len(first.data.groups[0].rows) == len(grown().times)
+
+
+def test_each_limited_error_has_a_figure_with_its_limits():
+    """The horizontal one first; of a limit there is a mark and a word."""
+    limits = carried(limited=True).assessment.outputs
+    (first,) = growth_pictures(grown(), limits)
+    assert_says(first.alt, "limit 1 m after 1 min")
+    assert "Diamonds" in first.caption
+    heading = replace(
+        limits[0],
+        output=replace(
+            limits[0].output,
+            name=Name("attitude", owner="mission", axis="heading", time=60.0),
+        ),
+    )
+    found = growth_pictures(grown(), (heading,))
+    assert [one.name for one in found][1:] == ["mission-growth-attitude-heading"]
+    assert "limit" not in found[0].alt
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_texts_of_the_figure_of_a_mission_stand_apart(error):
+    """None is cut, and no name lies on another one."""
+    figure = draw_growth(Growth.of(grown(), error))
+    assert cut_texts(figure) == []
+    assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_the_section_has_tables_and_both_figures(language):
     """Position, motion, contributions; and what a page alone shows."""
     with speaking(language):
-        section = mission_section(carried(), mission_figures(carried(), grown()))
+        section = mission_section(carried(), mission_figures(carried()))
         names = [table.name for table in find(section, Table)]
         pictures = find(section, Picture)
     assert names[:3] == [
@@ -125,7 +168,7 @@ def test_the_section_has_tables_and_both_figures(language):
         "mission-motion",
         "mission-contributions",
     ]
-    assert [one.name for one in pictures] == ["mission-growth", "mission-shares"]
+    assert [one.name for one in pictures] == ["mission-growth", "mission-track"]
 
 
 def test_shares_of_the_table_are_those_of_the_law():
@@ -376,7 +419,7 @@ def test_a_mission_whose_aids_never_end_is_drawn_whole():
     assert times[-1] == 40.0
     request = replace(aided("tac", "g1")[0].analysis, mission=mission)
     request = replace(request, carried_to=mission.at)
-    assert len(growth_pictures(curve(request, times))) == 2
+    assert len(growth_pictures(curve(request, times))) == 1
 
 
 def test_what_an_own_filter_believes_stands_beside_what_is_true():
@@ -398,8 +441,8 @@ def test_the_method_says_the_filter_where_there_is_one():
     """Its equations, and whose they are."""
     said = [
         " ".join(map(str, block.words))
-        for own, found in (aided("mems", "g4"), (carried(), grown()))
-        for block in mission_section(own, mission_figures(own, found)).blocks[-1:]
+        for own in (aided("mems", "g4")[0], carried())
+        for block in mission_section(own, mission_figures(own)).blocks[-1:]
     ]
     assert_says(said[0], "K = P H' (H P H' + R)^-1", "Brown and Hwang")
     assert "Brown" not in said[1]

@@ -45,13 +45,27 @@ from budget.report.figures.rows import Chart, chart_picture, draw
 from budget.report.figures.sources import (
     STEPS,
     coupling_chart,
+    group_shares_chart,
     print_part,
     share_chart,
     sobol_chart,
 )
-from budget.report.figures.style import BLUE, INK, ON_DARK, STYLES, to_svg
+from budget.report.figures.style import (
+    BLACK,
+    BLUE,
+    INK,
+    INKS,
+    ON_DARK,
+    REST,
+    STYLES,
+    folded,
+    headed,
+    in_order,
+    to_svg,
+)
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
+from budget.resources import template_file
 
 BIAS = 2  # place of the gyro bias among the groups
 BOTH = ("gyro", "accelerometer")
@@ -125,6 +139,46 @@ def test_sources_below_one_per_cent_are_gathered():
 
     assert len(widths(draw(share_chart(group)))) == 2
     assert "other 0.9 %" in share_chart(group).alt
+
+
+def test_each_group_has_a_bar_of_its_whole_variance():
+    """Its segments add up to 100 %; a source keeps colour and place in all bars."""
+    budget = make_budget()
+    chart = group_shares_chart(budget)
+    rows = chart.groups[0].rows
+
+    assert [row.label for row in rows] == [one.title for one in group_tables(budget)]
+    for row, group in zip(rows, group_tables(budget), strict=True):
+        assert row.marks[0].start == 0.0
+        assert_allclose(row.marks[-1].end, 100.0, rtol=1e-12)
+        looks = [mark.colour for mark in row.marks if mark.colour != REST]
+        order = [STYLES[name.quantity][0] for name in in_order(sources_of(group))]
+        assert looks == [one for one in order if one in looks]
+    assert_says(chart.title, "of the variance of the")
+    assert "rest" not in chart.alt
+
+
+def sources_of(group):
+    """Return the sources of a group."""
+    return [row.source for row in group.sources]
+
+
+def test_bars_of_groups_name_each_source_once():
+    """A source is named in a bar, or at the foot, and at the foot only once."""
+    chart = group_shares_chart(make_budget())
+    named = {mark.text for row in chart.groups[0].rows for mark in row.marks}
+    foot = [name for _, _, name in chart.legend]
+
+    assert len(set(foot)) == len(foot)
+    assert not named & set(foot)
+    assert "bias repeatability" in named
+
+
+def test_one_group_alone_is_no_figure():
+    """A single bar says no more than a sentence."""
+    output = make_output("gyro", "bias", "x", sources={"bias_stability": 1.0}, **UNIT)
+
+    assert group_shares_chart(make_budget(outputs=(output,))) is None
 
 
 def test_unknown_source_is_gathered_and_not_lost():
@@ -256,6 +310,7 @@ def test_styles_cover_the_example_sources():
 
 # Every figure of the report, from one example each.
 PICTURES = {
+    "groups": lambda: group_shares_chart(make_budget()),
     "shares": lambda: share_chart(group_tables(make_budget())[BIAS]),
     "utilisation": lambda: utilisation_chart(make_assessment(make_budget())),
     "coupling": lambda: coupling_chart(make_coupling(), "gyro"),
@@ -574,3 +629,63 @@ def test_names_and_numbers_have_the_room_that_they_need(figure, long):
 
     assert cut_texts(drawn) == []
     assert (long in texts(drawn)) == (len(long) < 80)
+
+
+def page_inks(is_dark):
+    """Return the colours of the style sheet, by their names."""
+    sheet = template_file("page.css").read_text(encoding="utf-8")
+    light, dark = sheet.split("@media (prefers-color-scheme: dark)", 1)
+    found = dict(re.findall(r"(--[\w]+): (#[0-9a-f]{6})", light.split("}")[0]))
+    if is_dark:
+        found |= dict(re.findall(r"(--[\w]+): (#[0-9a-f]{6})", dark.split("}")[0]))
+    return found
+
+
+@pytest.mark.parametrize("is_dark", [False, True])
+def test_every_source_stands_out_from_the_paper(is_dark):
+    """Colours have a contrast of 3:1 to both papers, and texts one of 4.5:1 to them."""
+    inks = page_inks(is_dark)
+    for name, (colour, _, ink) in STYLES.items():
+        shade = rgb(inks["--black"] if colour == BLACK else colour)
+
+        assert contrast(shade, rgb(inks["--paper"])) >= 3.0, name
+        assert not ink or contrast(shade, rgb(ink)) >= 4.5, name
+
+
+def test_colours_are_told_apart_in_grey():
+    """No two inks have one lightness: a copy in grey keeps them apart."""
+    every = sorted(INKS.values(), key=lambda one: contrast(rgb(one), rgb(BLACK)))
+
+    for one, other in pairwise(every):
+        assert contrast(rgb(one), rgb(other)) > 1.08
+
+
+def test_a_figure_that_stands_alone_says_what_it_is_of():
+    """Above it are its finding and the device; on a page the heading has these."""
+    chart = group_shares_chart(make_budget())
+    before = draw(chart)
+    spare = before.get_size_inches()[1]
+    alone = headed(draw(chart), "a device")
+
+    found = texts(alone)
+    assert "a device" in found
+    assert chart.title in " ".join(found)
+    assert chart.title not in " ".join(texts(before))
+    assert alone.get_size_inches()[1] > spare
+    assert cut_texts(alone) == []
+    for one, other in zip(before.axes, alone.axes, strict=True):
+        assert_allclose(
+            one.get_window_extent().size, other.get_window_extent().size, rtol=1e-9
+        )
+
+
+def test_a_long_title_is_broken_in_lines_that_fit():
+    """Between words, and within a language that has none; nothing is lost."""
+    for text in (
+        "a title of several words of some length",
+        "偏置重复性占陀螺零偏方差的大部分",
+    ):
+        lines = folded(text, 80.0, 9.0)
+
+        assert len(lines) > 1
+        assert "".join(lines).replace(" ", "") == text.replace(" ", "")

@@ -1,0 +1,348 @@
+"""The track of a mission seen from above, with ellipses of the errors of position."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from math import atan2, degrees, floor, log, log10, sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.calibration.mission import SEEN
+from budget.names import HORIZONTAL, time_text
+from budget.navigation.route import WEIGHTS
+from budget.report.figures.style import (
+    INK,
+    MUTED,
+    PAPER,
+    SMALL,
+    VERMILION,
+    add_panel,
+    as_picture,
+    blank,
+    house_style,
+    text_width,
+    without_name,
+    write,
+)
+from budget.report.pages import blocks, line
+from budget.report.tables import length, print_coverage
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from budget.arrays import Array
+    from budget.navigation.route import Route
+    from budget.report.blocks import Picture
+    from budget.studies.mission import Curve
+
+WIDTH, SIDE = 258.0, 234.0  # of the figure, and of the picture in it at the most [pt]
+LEAST_SIDE = 96.0  # [pt]
+EDGE, FOOT = 12.0, 20.0  # [pt]
+AIR = 0.08  # around what is drawn, of its larger side [1]
+SEEN_FROM = 0.03  # of the picture, half a length of an ellipse to be seen as it is [1]
+DRAWN_AT = 0.12  # of the picture, the largest ellipse that is enlarged [1]
+POINTS = 73  # of an ellipse
+MOST = 6  # ellipses
+ROUND = (1.0, 2.0, 5.0)  # of a scale, times a power of ten
+ROUND_TO = 1.05  # of the axes, for a circle [1]
+NAME_ROOM = 11.0  # of a name at an ellipse [pt]
+said = partial(line, "figures_track")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ellipse:
+    """Where the unit is about its true place with the coverage, at one time."""
+
+    time: float  # [s]
+    centre: Array  # planned place, north and east of the start, shape (2,) [m]
+    major: float  # half axes [m]
+    minor: float
+    bearing: float  # of the major one, from north to east, 0 up to pi [rad]
+
+    @classmethod
+    def of(
+        cls, time: float, centre: Array, covariance: Array, coverage: float
+    ) -> Ellipse:
+        """Take it from a covariance north and east, shape (2, 2) [m^2].
+
+        Its half axes are sqrt(-2 ln(1 - P)) standard uncertainties along the principal
+        axes: the square of a plane normal vector over these is chi-squared of 2.
+        """
+        (a, b), (_, d) = covariance.tolist()
+        half, middle = sqrt(((a - d) / 2.0) ** 2 + b**2), (a + d) / 2.0
+        k = sqrt(-2.0 * log(1.0 - coverage))
+        return cls(
+            time=time,
+            centre=centre,
+            major=k * sqrt(middle + half),
+            minor=k * sqrt(max(a * d - b * b, 0.0) / (middle + half or 1.0)),
+            bearing=0.5 * atan2(2.0 * b, a - d) % np.pi,
+        )
+
+    @property
+    def is_round(self) -> bool:
+        """Whether its axes are equal to what is printed."""
+        return self.major <= ROUND_TO * self.minor
+
+    def outline(self, times: float = 1.0) -> Array:
+        """Return its points north and east, so many times as large, (POINTS, 2) [m]."""
+        t = np.linspace(0.0, 2.0 * np.pi, POINTS)
+        along, across = self.major * np.cos(t), self.minor * np.sin(t)
+        c, s = np.cos(self.bearing), np.sin(self.bearing)
+        shape = np.column_stack([c * along - s * across, s * along + c * across])
+        return np.asarray(self.centre + times * shape)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """A planned track north and east of its start, with ellipses on it."""
+
+    track: Array  # shape (n, 2) [m]
+    ellipses: tuple[Ellipse, ...]
+    coverage: float
+
+    @classmethod
+    def of(
+        cls, route: Route, curve: Curve, asked: Sequence[float], coverage: float
+    ) -> Way | None:
+        """Lay ellipses on a track at times that are asked for [s]; None without any.
+
+        Where they are many, some of them, the last among these. None of what is over
+        lines that are predicted, which has no covariance.
+        """
+        times = [time for time in asked if time in curve.times]
+        if len(times) > MOST:
+            chosen = np.unique(np.linspace(0, len(times) - 1, MOST).round())
+            times = [times[int(k)] for k in chosen]
+        clock, track = track_of(route)
+        rows = [SEEN.index(("position", axis)) for axis in HORIZONTAL]
+        whole = curve.covariance.sum(axis=0)[:, rows][:, :, rows]
+        found = tuple(
+            Ellipse.of(
+                time,
+                np.array([np.interp(time, clock, one) for one in track.T]),
+                whole[curve.times.index(time)],
+                coverage,
+            )
+            for time in times
+        )
+        if curve.mixture is not None or not any(one.major > 0.0 for one in found):
+            return None
+        return cls(track=track, ellipses=found, coverage=coverage)
+
+    @property
+    def times(self) -> float:
+        """How many times as large the ellipses are drawn [1]."""
+        span = float(np.ptp(self.track, axis=0).max())
+        largest = max(one.major for one in self.ellipses)
+        if span <= 0.0 or largest >= SEEN_FROM * span:
+            return 1.0
+        return max(_rounded(DRAWN_AT * span / largest), 1.0)
+
+
+def track_of(route: Route) -> tuple[Array, Array]:
+    """Return times (n,) [s] and places north and east of the start, (n, 2) [m].
+
+    Ways over the ground, summed: of a journey around the earth no map.
+    """
+    steps = route.steps((route.duration,))
+    moves = np.einsum("snk,n->sk", steps.nodes.velocity[..., :2], np.array(WEIGHTS))
+    ends = np.cumsum(moves * steps.durations[:, None], axis=0)
+    clock = np.cumsum(steps.durations)
+    return np.concatenate([[0.0], clock]), np.vstack([np.zeros(2), ends])
+
+
+def track_picture(way: Way) -> Picture:
+    """Show a track from above, north up, with the ellipses of its errors."""
+    title, times = track_title(way), way.times
+    data: Any = blocks(
+        "figures_track", "data", way=way, bearing=_bearing, coverage=_percent(way)
+    )[0]
+    return as_picture(
+        draw_track(way),
+        name="mission-track",
+        title=title,
+        alt=said("alt", title=title, way=way, bearing=_bearing, coverage=_percent(way)),
+        tips={
+            f"ellipse-{k}": said("ellipse", one=one, bearing=_bearing)
+            for k, one in enumerate(way.ellipses)
+        },
+        caption=said("caption", times=f"{times:g}", coverage=_percent(way)),
+        data=data,
+        data_on_paper=False,
+    )
+
+
+def track_title(way: Way) -> str:
+    """State the finding: how long and how wide the last ellipse is, and where to."""
+    return said("title", one=way.ellipses[-1], bearing=_bearing, coverage=_percent(way))
+
+
+@house_style()
+def draw_track(way: Way) -> Figure:
+    """Draw track, ellipses, a scale and which way is north."""
+    times = way.times
+    outlines = [one.outline(times) for one in way.ellipses]
+    every = np.vstack([way.track, *outlines])
+    low, high = every.min(axis=0), every.max(axis=0)
+    size = high - low
+    room = AIR * max(float(size.max()), 1e-9)
+    size = size + 2.0 * room
+    scale = SIDE / float(size.max())  # [pt/m]
+    wide, tall = (max(scale * float(size[k]), LEAST_SIDE) for k in (1, 0))
+    figure = blank(EDGE + tall + FOOT, width=WIDTH)
+    figure.set_label(track_title(way))
+    axes = add_panel(
+        figure, left=(WIDTH - wide) / 2.0, top=EDGE, width=wide, height=tall
+    )
+    middle = (low + high) / 2.0
+    axes.set_xlim(middle[1] - wide / scale / 2.0, middle[1] + wide / scale / 2.0)
+    axes.set_ylim(middle[0] - tall / scale / 2.0, middle[0] + tall / scale / 2.0)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    without_name(axes.xaxis)
+    without_name(axes.yaxis)
+    axes.plot(way.track[:, 1], way.track[:, 0], color=MUTED, linewidth=1.0)
+    axes.plot(
+        *way.track[0, ::-1],
+        marker="o",
+        color=PAPER,
+        markeredgecolor=INK,
+        markersize=5.0,
+        linestyle="none",
+    )
+    for k, (one, outline) in enumerate(zip(way.ellipses, outlines, strict=True)):
+        axes.fill(
+            outline[:, 1],
+            outline[:, 0],
+            facecolor=(*_rgb(VERMILION), 0.12),
+            edgecolor=VERMILION,
+            linewidth=1.3,
+            gid=f"ellipse-{k}",
+        )
+        axes.plot(*one.centre[::-1], marker="+", color=INK, markersize=5.0)
+    _name_ellipses(axes, way, outlines, scale)
+    _draw_scale(axes, scale, _rounded(wide / scale / 4.0))
+    return figure
+
+
+def _rgb(colour: str) -> tuple[float, float, float]:
+    """Return red, green and blue of a colour [1]."""
+    from matplotlib.colors import to_rgb
+
+    return to_rgb(colour)
+
+
+def _name_ellipses(
+    axes: Axes, way: Way, outlines: Sequence[Array], scale: float
+) -> None:
+    """Write the times of the ellipses beside them, the last one first.
+
+    Of those that would lie on another one the earlier stays without.
+    """
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    taken: list[tuple[float, float, float, float]] = []
+    for one, outline in reversed([*zip(way.ellipses, outlines, strict=True)]):
+        text = time_text(one.time)
+        wide, tall = (text_width(text) + 4.0) / scale, NAME_ROOM / scale
+        (south, west), (north, east) = outline.argmin(axis=0), outline.argmax(axis=0)
+        places = [
+            outline[east, ::-1] + (wide / 2.0, 0.0),
+            outline[west, ::-1] - (wide / 2.0, 0.0),
+            outline[north, ::-1] + (0.0, tall / 2.0),
+            outline[south, ::-1] - (0.0, tall / 2.0),
+            outline[north, ::-1] - (0.0, tall),
+        ]
+        for at in places:
+            x, y = map(float, at)
+            box = (x - wide / 2.0, y - tall / 2.0, x + wide / 2.0, y + tall / 2.0)
+            inside = left <= box[0] and right >= box[2]
+            inside = inside and bottom <= box[1] and top >= box[3]
+            if inside and not any(_overlap(box, other) for other in taken):
+                taken.append(box)
+                axes.annotate(
+                    text,
+                    (x, y),
+                    fontsize=SMALL,
+                    color=INK,
+                    ha="center",
+                    va="center",
+                    bbox={
+                        "facecolor": PAPER,
+                        "edgecolor": "none",
+                        "alpha": 0.85,
+                        "pad": 1.0,
+                    },
+                )
+                break
+
+
+def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
+    """Whether two boxes (left, bottom, right, top) share more than an edge."""
+    return (
+        one[0] < other[2]
+        and other[0] < one[2]
+        and one[1] < other[3]
+        and other[1] < one[3]
+    )
+
+
+def _draw_scale(axes: Axes, scale: float, size: float) -> None:
+    """Draw a length [m] below the picture, in points a metre, and say what is up."""
+    for begin, end in (
+        ((0.0, -9.0), (0.0, -3.0)),
+        ((0.0, -6.0), (size * scale, -6.0)),
+        ((size * scale, -9.0), (size * scale, -3.0)),
+    ):
+        axes.annotate(
+            "",
+            begin,
+            end,
+            xycoords="axes points",
+            textcoords="axes points",
+            annotation_clip=False,
+            arrowprops={
+                "arrowstyle": "-",
+                "color": INK,
+                "linewidth": 1.0,
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+            },
+        )
+    write(
+        axes,
+        length(size),
+        (0.0, 0.0),
+        (size * scale + 6.0, -6.0),
+        coords=("axes fraction", "axes fraction"),
+    )
+    write(
+        axes,
+        said("north"),
+        (1.0, 0.0),
+        (0.0, -6.0),
+        ha="right",
+        coords=("axes fraction", "axes fraction"),
+    )
+
+
+def _rounded(size: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten up to a size."""
+    power = 10.0 ** floor(log10(size))
+    return max(power * part for part in ROUND if power * part <= size * (1.0 + 1e-9))
+
+
+def _bearing(one: Ellipse) -> str:
+    """Print the direction of the long axis, from north to east, in degrees."""
+    return f"{degrees(one.bearing) % 180.0:.0f}"
+
+
+def _percent(way: Way) -> str:
+    """Print the coverage."""
+    return f"{print_coverage(way.coverage)} %"
