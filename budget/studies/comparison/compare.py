@@ -391,6 +391,7 @@ def _entrant(one: Candidate, standing: Standing) -> Entrant:
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
+        vendor=device.vendor,
         not_given=tuple(name for one in one.sensors for name in one.not_given),
         missing=missing_lines(one, standing),
         standing=standing,
