@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.names import Name
-    from budget.results import Doubt, Probability
+    from budget.results import Condition, Doubt, Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
@@ -194,7 +194,7 @@ def requests(comparison: Comparison) -> list[Request]:
             vendor=vendor,
             lines=lines,
             names=list(dict.fromkeys(one.name for one in own)),
-            **_bounds(own),
+            **bounds_of([ask for each in own for ask in each.standing.asks[:1]]),
         )
         for (sensor, vendor, lines), own in together.items()
     ]
@@ -202,12 +202,11 @@ def requests(comparison: Comparison) -> list[Request]:
     return sorted(found, key=lambda one: order.index(one.sensor))
 
 
-def _bounds(own: Sequence[Entrant]) -> dict[str, Any]:
-    """Return from where on devices fail by the line that is asked for first."""
-    firsts = [one.standing.asks[0] for one in own if one.standing.asks]
+def bounds_of(firsts: Sequence[Condition]) -> dict[str, Any]:
+    """Return from where on devices fail by what is asked for first, of all or none."""
     sizes = [one.below / one.si_per_unit for one in firsts if one.below]
     units = {one.unit for one in firsts}
-    if not sizes or len(sizes) < len(own) or len(units) > 1:
+    if not sizes or len(sizes) < len(firsts) or len(units) > 1:
         return {"bounds": None, "unit": ""}
     return {"bounds": (min(sizes), max(sizes)), "unit": units.pop()}
 
