@@ -287,7 +287,7 @@ def decide(
     as_made = {*wanted.kinds} <= {MISSION}
     at_hand = tuple(map(load_procedure, given if any(given) else (None,)))
     check_names(at_hand)
-    tests = (*([FACTORY] if as_made else []), *at_hand)
+    tests: tuple[Procedure | str, ...] = (*([FACTORY] if as_made else []), *at_hand)
     imus = load_devices(devices, variants=True)
     use: dict[str, Any] = {"age": age, "environment": environment}
     found = [
