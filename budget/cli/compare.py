@@ -81,6 +81,7 @@ def compare(
         typer.Option("--validate", help="By gum: check every law by Monte Carlo."),
     ] = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
@@ -91,8 +92,8 @@ def compare(
     """Compare devices against a requirement, best first.
 
     For every sensor, and every IMU as one device: who meets, by what part of the limit
-    and with what probability, and which line of the data sheet limits it. Exit code 1
-    if a required sensor has no device that meets.
+    and with what probability, and which specification limits it. Exit code 1 if a
+    required sensor has no device that meets.
     """
     from budget.cli.computing import computing
     from budget.cli.output import (
@@ -183,7 +184,7 @@ def compare(
     hand_out(
         [(json, lambda: json_pieces(found)), (csv, lambda: [to_csv(found)])],
         lambda: comparison_answer(
-            found, order=None if column is None else column.order
+            found, order=None if column is None else column.order, full=full
         ),
         pages=pages,
         language=language,

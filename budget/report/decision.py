@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from budget.report.comparison.tables import Request, bounds_of, print_bounds
 from budget.report.document import json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
@@ -13,7 +14,8 @@ from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.report.blocks import Document, Section
-    from budget.studies.decide import Decision
+    from budget.results import Condition
+    from budget.studies.decide import Decision, Offer, Purchase
 
 MOST_SHOWN = 8  # devices of a table: those after them are counted
 COMMAND = "budget decide"
@@ -40,6 +42,23 @@ def decision_document(
     )
 
 
+def _asked(purchase: Purchase) -> list[Request]:
+    """Gather whom to ask for the specification that decides, alike ones together."""
+    together: dict[Any, list[tuple[Offer, Condition]]] = {}
+    for offer, ask in purchase.open:
+        together.setdefault((offer.parts[0].vendor, ask.line), []).append((offer, ask))
+    return [
+        Request(
+            sensor=purchase.kind,
+            vendor=vendor,
+            lines=(line,),
+            names=[offer.name for offer, _ in own],
+            **bounds_of([ask for _, ask in own]),
+        )
+        for (vendor, line), own in together.items()
+    ]
+
+
 def _view(found: Decision) -> dict[str, object]:
     """Return what the page is filled in with."""
     return {
@@ -48,4 +67,6 @@ def _view(found: Decision) -> dict[str, object]:
         "DASH": DASH,
         "AT_LEAST": AT_LEAST,
         "lines": standing_lines,
+        "asked": _asked,
+        "bounds": print_bounds,
     }

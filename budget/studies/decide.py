@@ -15,7 +15,7 @@ from budget.names import IMU, MISSION
 from budget.results import VERDICTS, Tabled
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
-from budget.studies.comparison.compare import compare
+from budget.studies.comparison.compare import check_names, compare
 from budget.studies.comparison.ranking import as_one
 from budget.studies.comparison.records import NUMBERED, DeviceVerdict
 from budget.studies.stations import qualify
@@ -279,14 +279,15 @@ def decide(
     Raises
     ------
     CallError
-        As of `compare`.
+        As of `compare`; two calibrations have one name.
     """
     wanted = load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
     given = several(procedures)
     as_made = {*wanted.kinds} <= {MISSION}
-    at_hand = given if any(given) else (load_procedure(None),)
-    tests = (*([FACTORY] if as_made else []), *at_hand)
+    at_hand = tuple(map(load_procedure, given if any(given) else (None,)))
+    check_names(at_hand)
+    tests: tuple[Procedure | str, ...] = (*([FACTORY] if as_made else []), *at_hand)
     imus = load_devices(devices, variants=True)
     use: dict[str, Any] = {"age": age, "environment": environment}
     found = [

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from command_line import call
+from document_text import on_terminal
 from saying import assert_says
 
+from budget.errors import CallError
 from budget.inputs import load_device, load_procedure
+from budget.report.decision import decision_answer, decision_document
+from budget.report.page import render_page
 from budget.studies.allocation.allocate import allocate
 from budget.studies.comparison.compare import compare
 from budget.studies.decide import decide
@@ -138,6 +143,92 @@ def test_the_command_answers_and_writes_its_page(tmp_path):
     assert "HG4930 (C)" in page.read_text("utf-8")
     assert document["purchases"][0]["chosen"] == "HG4930 (C)"
     assert call("decide", need, "stim300#5g").code == 1
+
+
+@pytest.mark.parametrize("width", [80, 100])
+def test_no_table_of_a_decision_is_split(at_the_edge, width):
+    """Devices with price, mass and power stand in one table, on lines that fit."""
+    text = on_terminal(decision_answer(at_the_edge), width)
+
+    assert len([x for x in text.splitlines() if x.startswith("device ")]) == 1
+    assert "140 grams" in text
+    assert max(map(len, text.splitlines())) <= width
+
+
+def test_makers_are_asked_once_for_what_decides(at_the_edge):
+    """Devices of one maker that wait for the same stand in one point, with a bound."""
+    text = " ".join(on_terminal(decision_answer(at_the_edge), 80).split())
+
+    assert "Primus 200 (Sagem): gyro bias repeatability, which fails from" in text
+    assert text.count("gyro bias repeatability, which") == 1
+
+
+HOSTILE = "**a** | `b` $c$ <i> {{ 7*7 }} {% if %} # - 1."
+
+
+def test_a_hostile_name_is_text():
+    """Whatever a device, a maker or a need is called stands there as it is."""
+    need = judged({"gyro": {"bias": "30 deg/h"}}) | {"name": f"need {HOSTILE}"}
+    unit = replace(
+        load_device("hg4930#C"),
+        name=HOSTILE,
+        vendor=f"maker {HOSTILE}",
+        price=f"1 EUR {HOSTILE}",
+    )
+    silent = replace(unit, name=f"2 {HOSTILE}", gyro=empty(unit.gyro))
+    found = decide((unit, silent), need)
+    text = " ".join(on_terminal(decision_answer(found), 300).split())
+
+    assert f"BUY {HOSTILE}: MEETS need {HOSTILE}" in text
+    assert f"1 EUR {HOSTILE}" in text
+    assert f"2 {HOSTILE} (maker {HOSTILE})" in text
+    page = render_page(decision_document(found, date="2026-01-01"))
+    assert "<i>" not in page.partition("<main")[2]
+
+
+def test_calibrations_of_one_name_are_refused():
+    """Nobody could tell which of them is meant; a calibration named twice is one."""
+    with pytest.raises(CallError, match="of the same name: Zhao 2019"):
+        decide("hg4930#C", EDGE, ["zhao-2019", "zhao-2019"])
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("absent",), "no such file"),
+        ((EDGE, "absent.yaml"), "no such file"),
+        ((EDGE, "hg4930", "--kind", "gyro"), "name no device"),
+        ((EDGE, "hg4930", "--mission", "bench"), "no limit on a mission"),
+        ((EDGE, "hg4930", "--json", "-", "--csv", "-"), "both write to stdout"),
+        ((EDGE, "hg4930", "-o", "x.txt"), "allowed: .html, .pdf"),
+        ((EDGE, "hg4930", "--age", "-1 year"), "not negative"),
+        (("specs/devices/hg4930.yaml",), "expected a requirement"),
+    ],
+)
+def test_a_bad_call_is_refused_and_says_why(args, said):
+    """Exit code 2, nothing on stdout."""
+    found = call("decide", *args)
+
+    assert found.code == 2
+    assert found.out == ""
+    assert said in found.err
+
+
+def test_where_nothing_is_given_everything_is_asked_for():
+    """A unit of an empty sheet is not bought, and the headline says why."""
+    unit = load_device("hg4930#C")
+    need = judged({"gyro": {"bias": "30 deg/h"}})
+    found = decide(replace(unit, gyro=empty(unit.gyro)), need)
+
+    assert not found.is_met
+    text = " ".join(on_terminal(decision_answer(found), 80).split())
+    assert_says(text, "NO gyro here can be shown to meet need", "of 1 device")
+    assert "HG4930 (C) (Honeywell): gyro" in text.partition("ask the makers")[2]
+
+
+def empty(sensor):
+    """Return a sensor of which no error specification is given."""
+    return replace(sensor, lines=())
 
 
 def judged(limits, **more):

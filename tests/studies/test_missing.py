@@ -216,7 +216,7 @@ def test_what_rests_on_others_is_never_ahead_of_equals(by_mode, mode):
 def test_every_result_names_the_mode_and_the_lines(by_mode):
     """Terminal, page, JSON and CSV; by `refuse` none of them speaks of a mode."""
     for mode, found in by_mode.items():
-        text = " ".join(on_terminal(comparison_answer(found)).split())
+        text = " ".join(on_terminal(comparison_answer(found, full=True)).split())
         document = json.loads(to_json(found))
         page = comparison_document(found, date="2026-01-01")
         said = "".join(page.summary)
@@ -225,7 +225,7 @@ def test_every_result_names_the_mode_and_the_lines(by_mode):
             assert "missing" not in document["settings"]
             continue
         assert f"--missing {mode}" in text
-        assert f"on lines of other devices (missing lines: {mode})" in text
+        assert f"of other devices (those not given: {mode})" in text
         assert f"--missing {mode}" in said
         stands = {"worst": "at the worst", "typical": "at the median"}
         how = stands.get(mode, "as predicted")

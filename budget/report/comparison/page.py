@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import partial
-from operator import attrgetter
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from budget.language import Note
 from budget.names import MISSION
-from budget.report.blocks import Abreast, Document, ForPages, Paragraph
+from budget.report.blocks import Document, ForPages, Paragraph
 from budget.report.comparison.document import to_json
 from budget.report.comparison.figures import (
     front_picture,
     map_chart,
-    margin_chart,
     no_front,
     no_fronts,
 )
 from budget.report.comparison.tables import (
     merit_points,
+    print_bounds,
     print_conformance,
     rank_of,
     rankings,
+    requests,
     side_by_side,
+    tallies,
 )
 from budget.report.figures.rows import chart_picture
-from budget.report.pages import blocks, document, sections
+from budget.report.pages import blocks, document, line, sections
 from budget.report.provenance import provenance_section
 from budget.report.readings import verdict_line
 from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
 from budget.report.wording import (
     deciding_lines,
-    doubt_sentence,
     error_reference,
     mode_remark,
     mode_sentence,
@@ -40,34 +42,29 @@ from budget.report.wording import (
 )
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
-from budget.studies.figures_of_merit import MERITS
+from budget.studies.figures_of_merit import MERITS, over_cap
 from budget.studies.prediction import LEAST_DESIGNS
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from budget.report.blocks import Block, Picture, Section
-    from budget.report.comparison.tables import Ranking, Row
+    from budget.report.blocks import Block, Section
+    from budget.report.comparison.tables import Ranking, Request, Row
     from budget.studies.comparison.records import Comparison
 
 COMMAND = "budget compare"
 PAIRS_SHOWN = 20
 FEW = 2  # devices that are named, even where they are all
-DASH = "\N{EN DASH}"  # a factor that is not there
+MANY = 6  # names in a sentence; of more, some are counted
+BEST = 3  # devices of each sensor in a brief answer
 
 
 def comparison_document(
     comparison: Comparison, *, date: str, command_line: str = COMMAND
 ) -> Document:
     """Put a comparison into one document, the answer first."""
-    found = rankings(comparison)
-    margins = ForPages(lambda: map(_margins, filter(attrgetter("rows"), found)))
-    page = document(
-        "comparison",
-        margins=Abreast(blocks=(margins,)),
-        **_view(comparison, found, drawn=_drawn),
-    )
+    page = document("comparison", **_view(comparison, rankings(comparison)))
     provenance = provenance_section(
         comparison.inputs,
         comparison.settings,
@@ -80,69 +77,108 @@ def comparison_document(
 def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
     """Return the sections that stand inside a report on something else.
 
-    The answer and how it was computed, the devices sensor by sensor, pairs, what the
-    files leave to be assumed, and what to beware of.
+    The answer and how it was computed, who meets, whom to ask, what to beware of,
+    figures, pairs, and what the files leave to be assumed.
     """
-    return _answer(comparison, rankings(comparison), is_apart=True)
+    view = _view(comparison, rankings(comparison))
+    return sections("comparison_answer", is_apart=True, **view)
 
 
 def comparison_answer(
-    comparison: Comparison, *, order: Callable[[Row], Any] | None = None
+    comparison: Comparison,
+    *,
+    order: Callable[[Row], Any] | None = None,
+    full: bool = False,
 ) -> tuple[Section, ...]:
-    """Return what stands alone on a terminal: the same, and the settings.
+    """Return what stands alone on a terminal: the answer, or with `full` all there is.
 
     The rows of a ranking are sorted by `order`, in place of the rank.
     """
-    return _answer(comparison, rankings(comparison, order=order), is_apart=False)
+    found = rankings(comparison, order=order)
+    if full:
+        view = _view(comparison, found, is_paged=False)
+        return sections("comparison_answer", is_apart=False, **view)
+    asked = [
+        (sensor, [name for one in own for name in one.names], _most_asked(own))
+        for sensor, own in _by_sensor(requests(comparison))
+    ]
+    best = [(table, table.first(BEST)) for table in found]
+    view = _said(comparison, found) | {"best": best, "asked": asked, "MANY": FEW + 1}
+    return sections("comparison_brief", **view)
 
 
-def _answer(
-    comparison: Comparison, found: Sequence[Ranking], *, is_apart: bool
-) -> tuple[Section, ...]:
-    """Return the sections that report and terminal have in common."""
-    view = _view(comparison, found, drawn=partial(_drawn, has_margins=True))
-    return sections("comparison_answer", is_apart=is_apart, **view)
+def _by_sensor(found: Iterable[Request]) -> Iterator[tuple[str, list[Request]]]:
+    """Part requests by sensor, those apart of which nothing at all is given."""
+    for (sensor, _), own in groupby(
+        sorted(found, key=lambda one: not one.lines),
+        lambda one: (one.sensor, not one.lines),
+    ):
+        yield sensor, list(own)
 
 
-def _view(
-    comparison: Comparison,
-    found: Sequence[Ranking],
-    *,
-    drawn: Callable[[Ranking], Iterable[Block]],
-) -> dict[str, Any]:
-    """Return what the pages are given: records, and how they are written."""
-    settings = comparison.settings
-    names = {one.name for one in comparison.devices}
-    is_refused = settings.missing == "refuse"
+def _most_asked(found: Sequence[Request]) -> list[str]:
+    """Return the specifications to ask for, those of the most devices first."""
+    counts = Counter(
+        name for one in found for name in one.lines for _ in range(len(one.names))
+    )
+    sensor = found[0].sensor
+    return [
+        line("comparison_parts", "of_many", name=name, sensor=sensor, times=times)
+        for name, times in counts.most_common(FEW + 1)
+    ]
+
+
+def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
+    """Return what every answer is given."""
     return {
         "comparison": comparison,
         "found": found,
-        "drawn": lambda table: ForPages(lambda: drawn(table)),
+        "tallies": tallies(comparison),
+        "compared": len({one.place for one in comparison.entrants}),
+        "over_caps": _over_caps(comparison),
+        "unknown_caps": list(_unknown_caps(comparison)),
+        "reference": error_reference(comparison.settings),
+        "remark": mode_remark(comparison.settings),
+        "filling": mode_sentence(comparison.settings),
+        "print_chance": print_chance,
+        "print_conformance": print_conformance,
+        "verdict_line": verdict_line,
+        "AT_LEAST": AT_LEAST,
+        "FEW": FEW,
+        "MANY": MANY,
+        "MISSION": MISSION,
+        "NUMBERED": NUMBERED,
+    }
+
+
+def _view(
+    comparison: Comparison, found: Sequence[Ranking], *, is_paged: bool = True
+) -> dict[str, Any]:
+    """Return what the pages are given: records, and how they are written."""
+    settings = comparison.settings
+    names = {one.name for one in comparison.entrants}
+    is_refused = settings.missing == "refuse"
+    caps = dict(comparison.caps)
+    return _said(comparison, found) | {
+        "is_paged": is_paged,
+        "requests": requests(comparison),
+        "caps": caps,
+        "is_over": lambda merit, text: bool(
+            merit in caps and over_cap(merit, text, caps[merit])
+        ),
+        "bounds": print_bounds,
+        "drawn": lambda table: ForPages(lambda: _drawn(table)),
+        "not_drawn": ForPages(
+            lambda: _not_drawn([one for one in found if one.decided])
+        ),
         "side_by_side": partial(side_by_side, found),
-        "reference": error_reference(settings),
-        "remark": mode_remark(settings),
-        "filling": mode_sentence(settings),
         "settled": settings_lines(settings),
         "standing": _standing(comparison) if is_refused else (),
         "replaced": () if is_refused else _replaced(comparison),
-        "over_caps": dict.fromkeys(
-            (one.name, text) for one in comparison.entrants for text in one.over_caps
-        ),
-        "unknown_caps": list(_unknown_caps(comparison)),
+        "named_devices": len(names),
         "assumed": _assumed(comparison.assumptions, names),
-        "compared": len(names),
-        "deciding_lines": deciding_lines,
-        "doubt_sentence": doubt_sentence,
-        "print_chance": print_chance,
-        "print_conformance": print_conformance,
         "rank_of": rank_of,
-        "verdict_line": verdict_line,
-        "AT_LEAST": AT_LEAST,
-        "DASH": DASH,
-        "FEW": FEW,
         "LEAST_DESIGNS": LEAST_DESIGNS,
-        "MISSION": MISSION,
-        "NUMBERED": NUMBERED,
         "PAIRS_SHOWN": PAIRS_SHOWN,
     }
 
@@ -156,18 +192,28 @@ def _together(found: Iterable[tuple[Any, str]]) -> list[tuple[Any, list[str]]]:
 
 
 def _standing(comparison: Comparison) -> list[tuple[Any, list[str]]]:
-    """Return what the verdicts hold if, and whom to ask for what, with the devices.
+    """Return what the verdicts of devices that do not fail hold if, with the devices.
 
-    Decided ones first, of devices that do not fail in any case.
+    Of what cannot be judged the lines to ask for stand elsewhere.
     """
     return _together(
         ((one.sensor, lines), one.name)
         for one in sorted(
             comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)
         )
-        if one.standing.saturates or one.verdict != "fails"
+        if one.standing.saturates or one.verdict not in {"undecidable", "fails"}
         for said in [deciding_lines if one.standing.saturates else standing_lines]
         if (lines := said(one.standing))
+    )
+
+
+def _over_caps(comparison: Comparison) -> list[tuple[Any, list[str]]]:
+    """Return the caps that devices exceed, with those that do not fail anyway."""
+    return _together(
+        (text, one.name)
+        for one in comparison.entrants
+        if one.verdict != "fails"
+        for text in one.over_caps
     )
 
 
@@ -214,35 +260,44 @@ def _assumed(texts: Iterable[str], names: Iterable[str]) -> list[tuple[Any, list
         said = text.removeprefix(f"{device}: ") if device else text
         own = text.parts.get("text") if device and isinstance(text, Note) else None
         found.append((parted(own if isinstance(own, str) else said), device))
+    if len(longest) > MANY:  # by what is assumed alone: the document has each
+        owners = dict(_together((assumed, device) for (_, assumed), device in found))
+        return _together(
+            ((assumed, tuple(owners[assumed])), line) for (line, assumed), _ in found
+        )
     return _together(
         ((assumed, tuple(devices)), line)
         for (line, assumed), devices in _together(found)
     )
 
 
-def _margins(table: Ranking) -> Picture:
-    """Draw how far every device is from its limit."""
-    return chart_picture(margin_chart(table, f"margins-{table.name}"))
-
-
-def _drawn(table: Ranking, *, has_margins: bool = False) -> Iterator[Block]:
-    """Yield the figures of a ranking: where devices are beyond limits, at what cost.
+def _drawn(table: Ranking) -> Iterator[Block]:
+    """Yield the figures of a ranking: what devices use of each limit, at what cost.
 
     A front for each cost of which there are two different amounts.
     """
-    outputs = _data("outputs", table=table, used_part=used_part)
-    yield chart_picture(map_chart(table, f"map-{table.name}", outputs))
-    pictures = [_margins(table)] if has_margins else []
+    if len(table.devices[0].outputs) > 1:  # of a single one the ranking has it
+        outputs = _data("outputs", table=table, used_part=used_part)
+        yield chart_picture(map_chart(table, f"map-{table.name}", outputs))
     for merit in MERITS:
         if not no_front(table, merit):
             points = merit_points(table, merit)
             data = _data("front", table=table, merit=merit, points=points)
-            name = f"front-{merit}-{table.name}"
-            pictures.append(front_picture(table, merit, name, data))
-    if pictures:
-        yield Abreast(blocks=tuple(pictures))
-    if why_not := no_fronts(table):
-        yield Paragraph(words=(why_not,), small=True)
+            yield front_picture(table, merit, f"front-{merit}-{table.name}", data)
+
+
+def _not_drawn(found: Sequence[Ranking]) -> Iterator[Block]:
+    """Say which fronts are not drawn, and why, once where that is the same for all."""
+    why = {
+        table.subject: no_fronts({merit: no_front(table, merit) for merit in MERITS})
+        for table in found
+    }
+    if len({*why.values()}) == 1:
+        why = {"": next(iter(why.values()))}
+    for subject, text in why.items():
+        if text:
+            said = line("figures_comparison", "of_one", subject=subject, text=text)
+            yield Paragraph(words=(said,), small=True)
 
 
 def _data(macro: str, **view: object) -> Any:  # noqa: ANN401 - a table, of all blocks

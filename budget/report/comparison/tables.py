@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
-from budget.language import words
+from budget.language import say, words
 from budget.report.pages import line
 from budget.report.tables import (
     AT_LEAST,
@@ -26,17 +27,19 @@ from budget.report.tables import (
     source_title,
 )
 from budget.results import VERDICTS
-from budget.studies.comparison.records import rank_number, ranks
+from budget.studies.comparison.records import NUMBERED, rank_number, ranks
 from budget.studies.figures_of_merit import read_amount
 from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from budget.results import Doubt, Probability
+    from budget.names import Name
+    from budget.results import Condition, Doubt, Probability
     from budget.studies.comparison.records import (
         Comparison,
         DeviceVerdict,
+        Entrant,
         MissingLines,
         Pair,
         Remedy,
@@ -73,52 +76,168 @@ class Ranking:
 
     sensor: str
     name: str  # unique in the document: 'gyro-0'
-    rows: tuple[Row, ...]
+    devices: tuple[DeviceVerdict, ...]  # best first
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
     under: str  # the procedure, '' where there is no other
+    order: Callable[[Row], Any] | None = None  # what rows are sorted by; None: the rank
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """The devices as texts."""
+        return tuple(self._written(self.devices))
+
+    @cached_property
+    def decided(self) -> tuple[Row, ...]:
+        """The rows of devices that can be judged."""
+        return tuple(row for row in self.rows if _is_decided(row.of))
+
+    def first(self, most: int) -> list[Row]:
+        """Return the first of these; no more are written than it takes."""
+        known = [one for one in self.devices if _is_decided(one)]
+        return self._written(known[:most] if self.order is None else known)[:most]
+
+    def _written(self, devices: Sequence[DeviceVerdict]) -> list[Row]:
+        """Write rows of devices, in the order that is asked for."""
+        places = map(id, self.devices)
+        by_place = dict(zip(places, self._ranks, strict=True))
+        rows = [_row(one, by_place[id(one)]) for one in devices]
+        return rows if self.order is None else sorted(rows, key=self.order)
+
+    @cached_property
+    def _ranks(self) -> tuple[str, ...]:
+        return ranks(self.devices)
 
     @property
     def subject(self) -> str:
         """'Gyro', or 'Gyro, Zhao 2019' where there are several procedures."""
         return line("comparison_parts", "subject", table=self)
 
-    @property
+    @cached_property
     def best(self) -> Row | None:
         """The best device that meets, if on conditions; None where none does."""
-        numbered = [row for row in self.rows if row.rank]
-        return min(numbered, key=lambda row: rank_of(row.rank) or inf, default=None)
+        return next(
+            (
+                _row(one, rank)
+                for one, rank in zip(self.devices, self._ranks, strict=True)
+                if rank_of(rank)
+            ),
+            None,
+        )
 
     @property
     def counts(self) -> dict[str, int]:
         """How many devices there are with each verdict, the best verdict first."""
-        found = [row.of.verdict for row in self.rows]
+        found = [one.verdict for one in self.devices]
         found += ["undecidable"] * len(self.nothing_known)
         return {
             verdict: found.count(verdict) for verdict in VERDICTS if verdict in found
         }
 
 
+def _is_decided(one: Entrant) -> bool:
+    """Whether a device can be judged, were it that it is close to a limit."""
+    return one.verdict != "undecidable"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tally:
+    """How many devices with a sensor meet, each after what serves it best."""
+
+    sensor: str
+    devices: int
+    meeting: int  # with conditions and without
+    conditional: int
+
+
+def tallies(comparison: Comparison) -> list[Tally]:
+    """Count who meets, sensor by sensor."""
+    found = []
+    for sensor in comparison.required:
+        own = [one for one in comparison.entrants if one.sensor == sensor]
+        sure = {one.place for one in own if one.verdict == "meets"}
+        meeting = {one.place for one in own if one.verdict in NUMBERED}
+        found.append(
+            Tally(
+                sensor=sensor,
+                devices=len({one.place for one in own}),
+                meeting=len(meeting),
+                conditional=len(meeting - sure),
+            )
+        )
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What to ask one maker for, of devices that cannot be judged without it."""
+
+    sensor: str
+    vendor: str  # '' where no file says
+    lines: tuple[Name, ...]  # that which decides first; () for every error line
+    names: list[str]  # of the devices
+    bounds: tuple[float, float] | None  # of the first line, least and largest [unit]
+    unit: str
+
+
+def requests(comparison: Comparison) -> list[Request]:
+    """Return what to ask whom for, makers' requests that are alike gathered."""
+    together: dict[Any, list[Entrant]] = {}
+    for one in comparison.entrants:
+        if not _is_decided(one) and not one.standing.saturates:
+            lines = tuple(ask.line for ask in one.standing.asks)
+            if not lines and one.missing:
+                lines = one.missing.lines
+            together.setdefault((one.sensor, one.vendor, lines), []).append(one)
+    found = [
+        Request(
+            sensor=sensor,
+            vendor=vendor,
+            lines=lines,
+            names=list(dict.fromkeys(one.name for one in own)),
+            **bounds_of([ask for each in own for ask in each.standing.asks[:1]]),
+        )
+        for (sensor, vendor, lines), own in together.items()
+    ]
+    order = [*comparison.required]
+    return sorted(found, key=lambda one: order.index(one.sensor))
+
+
+def bounds_of(firsts: Sequence[Condition]) -> dict[str, Any]:
+    """Return from where on devices fail by what is asked for first, of all or none."""
+    sizes = [one.below / one.si_per_unit for one in firsts if one.below]
+    units = {one.unit for one in firsts}
+    if not sizes or len(sizes) < len(firsts) or len(units) > 1:
+        return {"bounds": None, "unit": ""}
+    return {"bounds": (min(sizes), max(sizes)), "unit": units.pop()}
+
+
+def print_bounds(one: Request) -> str:
+    """Print from where on devices fail: '5.53 deg/h/g', or of several a range."""
+    if one.bounds is None:
+        return ""
+    ends = dict.fromkeys(map(print_three, one.bounds))
+    return f"{say(' to ').join(ends)} {one.unit}"
+
+
 def rankings(
     comparison: Comparison, *, order: Callable[[Row], Any] | None = None
 ) -> tuple[Ranking, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
-    found = []
-    for place, ((sensor, procedure), devices) in enumerate(comparison.lists.items()):
-        rows = map(_row, devices, ranks(devices))
-        found.append(
-            Ranking(
-                sensor=sensor,
-                name=f"{sensor}-{place}",
-                rows=tuple(rows if order is None else sorted(rows, key=order)),
-                nothing_known=tuple(
-                    one.name
-                    for one in comparison.nothing_known
-                    if (one.sensor, one.procedure) == (sensor, procedure)
-                ),
-                under=procedure if len(comparison.procedures) > 1 else "",
-            )
+    return tuple(
+        Ranking(
+            sensor=sensor,
+            name=f"{sensor}-{place}",
+            devices=tuple(devices),
+            nothing_known=tuple(
+                one.name
+                for one in comparison.nothing_known
+                if (one.sensor, one.procedure) == (sensor, procedure)
+            ),
+            under=procedure if len(comparison.procedures) > 1 else "",
+            order=order,
         )
-    return tuple(found)
+        for place, ((sensor, procedure), devices) in enumerate(comparison.lists.items())
+    )
 
 
 def side_by_side(
@@ -308,7 +427,7 @@ def merit_points(ranking: Ranking, merit: str) -> list[tuple[Row, Amount]]:
     """Return the devices whose price, mass or power can be compared, cheapest first."""
     found = [
         (row, amount)
-        for row in ranking.rows
+        for row in ranking.decided
         if (amount := read_amount(merit, getattr(row.of, merit))) is not None
     ]
     # As the front does: amounts in other units than the first one cannot be compared.

@@ -164,7 +164,7 @@ def compare(
         needs_test(wanted, test)
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
-    _check_names(tests)
+    check_names(tests)
     candidates = [
         one
         for test in tests
@@ -344,7 +344,7 @@ def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None
         )
 
 
-def _check_names(procedures: Sequence[Procedure]) -> None:
+def check_names(procedures: Sequence[Procedure]) -> None:
     """Refuse two procedures that could not be told apart in the result."""
     names = [procedure.name for procedure in procedures]
     twice = sorted({name for name in names if names.count(name) > 1})
@@ -391,6 +391,7 @@ def _entrant(one: Candidate, standing: Standing) -> Entrant:
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
+        vendor=device.vendor,
         not_given=tuple(name for one in one.sensors for name in one.not_given),
         missing=missing_lines(one, standing),
         standing=standing,

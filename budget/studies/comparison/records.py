@@ -147,6 +147,7 @@ class Entrant(Documented):
     power: str
     over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
     unknown_caps: tuple[UnknownCap, ...]
+    vendor: str = ""  # whom to ask; '' where its file does not say
 
     @property
     def verdict(self) -> str:

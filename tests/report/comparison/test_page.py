@@ -12,16 +12,16 @@ import pytest
 from comparison_examples import compared, only_bias, paper_device, requirement
 from document_text import find, lines, names, on_terminal, rows, section
 from figure_text import cut_texts
-from numpy.testing import assert_allclose
 from saying import assert_says
 
 from budget.errors import CallError
 from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.figures import (
+    fit_name,
     front_picture,
     map_chart,
-    margin_chart,
+    no_front,
     pareto_scatter,
 )
 from budget.report.comparison.page import (
@@ -35,10 +35,11 @@ from budget.report.comparison.tables import (
     print_factor,
     print_parts,
     rankings,
+    requests,
 )
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
-from budget.report.tables import print_probability
+from budget.report.tables import print_probability, used_part
 from budget.report.typeset import typeset
 from budget.results import Probability
 from budget.studies.comparison.records import Lead, Remedy, ranks
@@ -68,6 +69,11 @@ def comparison():
 
 
 def rendered(found, width=80):
+    """Return what a terminal of a width shows with --full."""
+    return on_terminal(comparison_answer(found, full=True), width)
+
+
+def brief(found, width=80):
     """Return what a terminal of a width shows."""
     return on_terminal(comparison_answer(found), width)
 
@@ -140,38 +146,73 @@ def test_ties_share_a_rank(comparison):
 
 @pytest.mark.parametrize("width", [60, 80, 160])
 def test_terminal_names_every_device_once_a_table(comparison, width):
-    """At any width each device stands in the table of each sensor, best first."""
+    """At any width each device stands where it is judged, or asked for, best first."""
     text = rendered(comparison, width)
 
-    for name in ("good", "bare", "bad <b>"):
+    for name in ("good", "bad <b>"):
         assert len(re.findall(rf"(?m)^{name} ", text)) >= 2
-    assert text.index("\ngood ") < text.index("\nbare ") < text.index("\nbad <b> ")
+    assert re.search(r"(?m)^bare +bias stability", text)
+    assert text.index("\ngood ") < text.index("\nbad <b> ") < text.index("\nbare ")
+
+
+@pytest.mark.parametrize("answer", [rendered, brief])
+def test_no_table_is_split_at_80_columns(comparison, answer):
+    """Each table stands whole, whatever its devices are called."""
+    long = replace(
+        comparison,
+        devices=tuple(
+            replace(one, name=f"{one.name}, a device of a long name, revision 7")
+            for one in comparison.devices
+        ),
+    )
+    for found in (comparison, long):
+        text = answer(found)
+        assert max(map(len, text.splitlines())) <= 80
+        assert len(re.findall(r"(?m)^device +verdict ", text)) == 1
+
+
+def test_brief_answer_says_who_meets_and_whom_to_ask(comparison):
+    """Counts, the best with what it uses and why, and the specification to ask for."""
+    text = " ".join(brief(comparison).split())
+
+    assert_says(text, "MET: 1 of 3 gyros, 1 of 3 accelerometers meet")
+    assert re.search(r"good meets +\S+ .*repeatability", text)
+    assert_says(text, "gyro: bare, not given: bias stability")
+
+
+def test_brief_answer_is_brief():
+    """Of sixty devices some stand there, the rest are counted."""
+    devices = [only_bias(f"d{n}", 0.1 + 0.1 * n) for n in range(60)]
+    found = compared(devices, method="gum")
+    text = brief(found)
+
+    assert len(text.splitlines()) <= 25
+    assert len(re.findall(r"(?m)^d\d+ ", text)) == 3
+    assert len(re.findall(r"(?m)^d\d+ ", rendered(found))) == 60
 
 
 def test_terminal_says_what_missing_lines_could_do(comparison):
     """What to ask for stands beside the device that waits for it, which has no rank."""
     text = rendered(comparison, 160)
 
-    assert "at worst" in text
-    assert "bias stability" in text
-    assert re.search(r"cannot\s+be\s+judged:\s+gyro\s+bias\s+stability", text)
-    assert re.search(r"bare +undecidable +>= ", text)
+    assert "fails from" in text
+    assert re.search(r"(?m)^bare +bias stability", text)
 
 
-def test_terminal_of_complete_devices_has_no_such_column():
-    """Where nothing is missing, columns about it are not there."""
+def test_terminal_of_complete_devices_asks_for_nothing():
+    """Where nothing is missing, nothing is said about it."""
     text = rendered(compared([paper_device("a", times=0.5)], method="gum"), 160)
 
-    assert "at worst" not in text
-    assert "interval:" not in text
+    assert "fails from" not in text
+    assert "interval" not in text.partition("Method")[0]
 
 
-def test_a_dash_is_explained():
-    """Where no source alone can mend anything, the dashes are explained."""
-    text = rendered(compared([paper_device(times=1e4)], method="gum"), 160)
+def test_a_factor_is_explained_where_there_is_one():
+    """Where no source alone can mend anything, there is none and nothing is said."""
+    for times, expected in ((1e4, False), (0.5, True)):
+        text = rendered(compared([paper_device(times=times)], method="gum"), 160)
 
-    assert re.search(r"(?m)repeatability +\N{EN DASH}$", text)
-    assert "it alone cannot" in text
+        assert ("it alone cannot" in text) is expected
 
 
 def test_sorting_keeps_the_rank(comparison):
@@ -235,27 +276,54 @@ def test_document_is_in_printed_units(comparison):
 
 
 def test_map_frames_what_is_beyond_the_limit():
-    """A frame for each cell beyond its limit, none for the others."""
+    """A frame for each cell beyond its limit, none for others; equal axes are one."""
     found = compared([only_bias("over", 3.0), only_bias("under", 0.1)], method="gum")
     figure = draw(map_chart(rankings(found)[0], "map", None))
     frames = [p for p in figure.axes[0].patches if p.get_facecolor()[3] == 0.0]
 
-    assert len(frames) == 3  # three biases of one device
+    assert len(frames) == 1  # three equal biases of one device
 
 
-def test_margin_bars_start_at_the_limit(comparison):
-    """Bars run from 100 % to the part of the limit; the undecidable from there on."""
+def test_columns_of_the_map_are_what_devices_use_alike(comparison):
+    """Outputs in one column use the same of each device; each is in one column."""
     table = rankings(comparison)[0]
-    axes = draw(margin_chart(table, "margins")).axes[0]
+    (head, *_) = draw(map_chart(table, "map", None)).axes
+    bars = [p for p in head.patches if p.get_facecolor()[3] > 0.0]
+    kinds = {
+        (one.output.name.quantity, used_part(one).text)
+        for one in table.decided[0].of.outputs
+    }
 
-    for bar, row in zip(axes.patches, table.rows, strict=True):
-        start = 100.0
-        if row.verdict == "undecidable":
-            start *= row.of.at_worst
-        ends = sorted((start, 100 * row.of.utilisation))
-        assert_allclose(bar.get_x(), ends[0], rtol=1e-9)
-        assert_allclose(bar.get_x() + bar.get_width(), ends[1], rtol=1e-9)
-    assert [row.verdict for row in table.rows].count("undecidable") == 1
+    assert len(bars) == len(table.decided) * len(kinds)
+
+
+def test_names_that_differ_in_the_end_stay_apart():
+    """Of a long name the middle goes."""
+    names = [f"A device of a rather long name, rev. 31 ({n} g)" for n in (5, 10)]
+
+    assert len({fit_name(name, 26) for name in names}) == 2
+    assert max(len(fit_name(name, 26)) for name in names) <= 26
+    assert fit_name("short", 26) == "short"
+
+
+def test_every_dot_of_a_front_has_its_name_or_there_is_none():
+    """Devices that crowd have no figure, and why is said; a few have their names."""
+
+    def ranking(number):
+        devices = [
+            replace(only_bias(f"device {n}", 0.1 + 0.001 * n), mass=f"{1 + n} kg")
+            for n in range(number)
+        ]
+        return rankings(compared(devices, method="gum"))[0]
+
+    few = ranking(3)
+    assert no_front(few, "mass") == ""
+    told = {text.get_text() for text in pareto_scatter(few, "mass").axes[0].texts}
+    assert told == {f"device {n}" for n in range(3)}
+
+    assert "no room" in no_front(ranking(40), "mass")
+    with pytest.raises(ValueError, match="no room"):
+        pareto_scatter(ranking(40), "mass")
 
 
 def test_front_is_joined(comparison):
@@ -273,10 +341,9 @@ def test_words_beside_figures_have_the_numbers(comparison):
     table = rankings(comparison)[0]
     for text in (
         map_chart(table, "map", None).alt,
-        margin_chart(table, "margins").alt,
         front_picture(table, "mass", "front", None).alt,
     ):
-        for row in table.rows:
+        for row in table.decided:
             assert row.device in text
             assert f"{row.utilisation} %" in text
 
@@ -286,7 +353,6 @@ def test_no_text_of_a_figure_is_cut(comparison):
     table = rankings(comparison)[0]
 
     assert cut_texts(draw(map_chart(table, "map", None))) == []
-    assert cut_texts(draw(margin_chart(table, "margins"))) == []
     assert cut_texts(pareto_scatter(table, "mass")) == []
 
 
@@ -297,8 +363,10 @@ def document(comparison):
 
 
 def test_document_answers_first(document):
-    """Verdict, the best of each sensor with its part of the limit, then the figures."""
-    assert document.headline == "MET: test requirement"
+    """Counts, the best of each sensor, who is judged, whom to ask, cautions."""
+    assert document.headline == (
+        "MET: 1 of 3 gyros, 1 of 3 accelerometers meet test requirement"
+    )
     assert [card.title for card in document.cards] == ["Gyro", "Accelerometer"]
     for card in document.cards:
         text = " ".join(lines(card))
@@ -306,7 +374,8 @@ def test_document_answers_first(document):
         assert "% of the limit" in text
         assert "1 meet, 1 undecidable, 1 fail" in text
     first = [part.name for part in document.sections if part.on_first_page]
-    assert first == names(document)[: len(first)] == ["overview", "remarks"]
+    told = ["decided", "not-judged", "remarks"]
+    assert first == names(document)[: len(first)] == told
 
 
 def test_document_of_nobody_who_meets_says_so():
@@ -314,25 +383,27 @@ def test_document_of_nobody_who_meets_says_so():
     found = compared([only_bias("over", 3.0)], method="gum")
     document = comparison_document(found, date=DATE)
 
-    assert document.headline.startswith("NOT MET: ")
-    assert "no device that meets" in document.summary[0]
+    assert document.headline == "NOT MET: 0 of 1 gyro meets test requirement"
     assert "No device meets" in lines(document.cards[0])
 
 
-def test_rankings_hold_every_number_exactly(comparison, document):
-    """Each device stands in the ranking of each sensor; cells know their numbers."""
-    tables = [t for t in find(document, Table) if t.name.startswith("ranking")]
+def test_the_ranking_holds_every_number_exactly(comparison, document):
+    """Each device that can be judged stands there once a sensor, best first."""
+    (table,) = (t for t in find(document, Table) if t.name == "ranking")
+    heads = [column.head for column in table.columns]
+    gyro, accelerometer, imu = table.groups
 
-    assert len(tables) == 2
-    for table, found in zip(tables, rankings(comparison), strict=True):
-        heads = [column.head for column in table.columns]
-        (group,) = table.groups
-        for cells, row in zip(group.rows, found.rows, strict=True):
+    for group, found in zip((gyro, accelerometer), rankings(comparison), strict=True):
+        assert group.title == found.subject
+        for cells, row in zip(group.rows, found.decided, strict=True):
             by_head = dict(zip(heads, cells, strict=True))
             assert by_head["device"].text == row.device
             assert by_head["% of limit"].exact == 100.0 * row.of.utilisation
             assert by_head["conformance [%]"].exact == 100.0 * row.of.conformance.value
             assert by_head["device"].strong == (row.verdict == "meets")
+            assert by_head["mass"].text == row.of.mass
+    assert [cells[0].text for cells in imu.rows] == ["good", "bad <b>"]
+    assert heads[1:3] == ["verdict", "% of limit"]  # what a narrow page shows
 
 
 @pytest.mark.parametrize("method", ["gum", "monte-carlo"])
@@ -356,38 +427,60 @@ def test_the_conformance_of_the_screen_says_what_it_is(method):
 
 
 def test_the_map_has_its_data_behind_it(comparison, document):
-    """The table of each map has every device and output, and a tip for each cell."""
+    """The table of each map has every device and output; each cell has its tip."""
     maps = [p for p in find(document, Picture) if p.name.startswith("map")]
 
     assert len(maps) == 2
     for picture, table in zip(maps, rankings(comparison), strict=True):
         (group,) = picture.data.groups
-        for cells, row in zip(group.rows, table.rows, strict=True):
+        for cells, row in zip(group.rows, table.decided, strict=True):
             expected = [100.0 * output.utilisation for output in row.of.outputs]
             assert [cell.exact for cell in cells[1:]] == expected
             assert [cell.strong for cell in cells[1:]] == [x > 100.0 for x in expected]
-        assert len(picture.tips) == 3 * 12
-        assert "good, gyro scale factor x: " in "".join(maps[0].tips.values())
+        assert "good, gyro scale factor x, y, z: " in "".join(maps[0].tips.values())
 
 
-def test_every_bar_and_point_has_a_tip(document):
-    """Margins and fronts have a tip for each device, in an element of the figure."""
-    for picture in find(document, Picture):
-        if picture.name.startswith(("margins", "front")):
-            assert len(picture.tips) == 3
-            for gid in picture.tips:
-                assert f'id="{picture.name}-{gid}"' in picture.svg
+def test_every_cell_and_point_has_a_tip(document):
+    """Maps and fronts have tips for each device, in an element of the figure."""
+    pictures = find(document, Picture)
+
+    assert {p.name.partition("-")[0] for p in pictures} == {"map", "front"}
+    for picture in pictures:
+        told = "".join(picture.tips.values())
+        assert "good" in told
+        assert "bad <b>" in told
+        for gid in picture.tips:
+            assert f'id="{picture.name}-{gid}"' in picture.svg
 
 
-def test_lines_not_given_are_said_with_what_they_could_do(document):
-    """Page one counts the undecidable; a table says what to ask for."""
-    beware = " ".join(lines(section(document, "remarks")))
-
-    assert "1 gyro device would meet" in beware
-    assert any(
-        devices == "bare" and effect.startswith("cannot be judged: gyro bias stab")
-        for _, devices, effect in rows(section(document, "standing"))
+def test_what_is_not_given_is_asked_of_its_maker(comparison):
+    """A row names devices, maker, specifications and from where on it would fail."""
+    found = replace(
+        comparison, devices=tuple(replace(d, vendor="ACME") for d in comparison.devices)
     )
+    document = comparison_document(found, date=DATE)
+    (table,) = find(section(document, "not-judged"), Table)
+
+    assert [group.title for group in table.groups] == ["Gyro", "Accelerometer"]
+    for devices, ask, maker, bound in rows(table):
+        assert (devices, maker) == ("bare", "ACME")
+        assert ask == "bias stability"
+        assert bound
+
+
+def test_requests_that_are_alike_are_gathered():
+    """Devices of one maker that lack the same are one row, of another one their own."""
+    devices = [
+        replace(
+            paper_device(f"d{n}", times=0.4, missing=("bias_stability",)),
+            vendor="ACME" if n < 2 else "Other",
+        )
+        for n in range(3)
+    ]
+    other = [paper_device("other", times=300.0)]
+    found = requests(compared(devices, catalogue=other, method="gum"))
+
+    assert [one.names for one in found] == [["d0", "d1"], ["d2"]]
 
 
 def test_long_tables_can_be_searched():
@@ -395,7 +488,7 @@ def test_long_tables_can_be_searched():
     for number, expected in ((3, False), (8, True)):
         devices = [only_bias(f"d{n}", 0.1 + 0.1 * n) for n in range(number)]
         document = comparison_document(compared(devices, method="gum"), date=DATE)
-        ranking = next(t for t in find(document, Table) if t.name.startswith("ranking"))
+        ranking = next(t for t in find(document, Table) if t.name == "ranking")
         assert ranking.searchable is expected
 
 
@@ -413,11 +506,9 @@ def test_sections_in_a_report_begin_with_the_answer(comparison):
     first, *others = comparison_sections(comparison)
 
     assert first.title == "Comparison against test requirement"
-    assert_says(" ".join(lines(first)), "each required sensor", "device that meets")
-    assert not any(line.startswith("MET") for line in lines(first))
-    assert "Gyro: good is best" in " ".join(lines(first))
+    assert_says(" ".join(lines(first)), "MET: 1 of 3 gyros")
     assert not any(part.on_first_page for part in (first, *others))
-    assert [p.name for p in find(others, Picture) if "margins" in p.name]
+    assert [p.name for p in find(others, Picture) if p.name.startswith("map")]
 
 
 def test_procedures_stand_beside_each_other_in_the_document():
@@ -437,8 +528,8 @@ def test_procedures_stand_beside_each_other_in_the_document():
         "Gyro, slow",
     ]
     # Figures of two procedures are told apart by what they say.
-    margins = [p.title for p in find(document.sections, Picture) if "margin" in p.name]
-    assert [title.partition(":")[0] for title in margins] == [
+    titles = [p.title for p in find(document.sections, Picture)]
+    assert [title.partition(":")[0] for title in titles] == [
         "Gyro, test procedure",
         "Gyro, slow",
     ]
@@ -468,7 +559,7 @@ def test_without_costs_there_is_no_front_and_it_is_said():
     found = compared([paper_device()], method="gum")
     text = " ".join(lines(comparison_document(found, date=DATE)))
 
-    assert "there is no front to draw" in text
+    assert_says(text, "price: no device gives one that can be compared")
 
 
 def test_page_harms_nobody_and_holds_the_numbers(comparison, document):

@@ -14,13 +14,13 @@ from saying import assert_says
 from budget.language import speaking
 from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_json
-from budget.report.comparison.figures import margin_title
+from budget.report.comparison.figures import map_title
 from budget.report.comparison.page import (
     comparison_answer,
     comparison_document,
     comparison_sections,
 )
-from budget.report.comparison.tables import rankings
+from budget.report.comparison.tables import rankings, tallies
 from budget.studies.comparison.records import Entrant
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
@@ -38,7 +38,7 @@ def computed_apart(found):
 
 def rendered(found, width=100):
     """Return what a terminal of a width shows."""
-    return on_terminal(comparison_answer(found), width)
+    return on_terminal(comparison_answer(found, full=True), width)
 
 
 @pytest.fixture(scope="module")
@@ -57,18 +57,19 @@ def test_unknown_amounts_are_no_kept_caps(capped):
     """A cap says for which devices nobody knows; one that all keep says nothing."""
     found = lines(section(comparison_document(capped, date=DATE), "remarks"))
     price, mass = (line for line in found if line.startswith("Cap on "))
-    assert_says(price, "price, at most 100 EUR", "no device")
-    assert_says(mass, "mass, at most 2 kg", "not known for silent, poet", "'light'")
+    assert_says(price, "price, at most 100 EUR", "given for none of 3 devices")
+    assert_says(mass, "mass, at most 2 kg", "for 2 of 3 devices", "poet ('light'")
+    assert "silent" not in price + mass
 
 
 def test_unknown_amounts_stand_in_terminal_page_and_document(capped):
-    """Each of the three names the devices whose mass is not known."""
+    """Each of the three says of how many the mass is not known."""
     page = comparison_document(capped, date=DATE)
     remarks = " ".join(lines(section(page, "remarks")))
     of = {one["name"]: one for one in capped.to_dict()["devices"]}
 
     for text in (rendered(capped), remarks):
-        assert_says(text, "mass, at most 2 kg", "not known for silent, poet")
+        assert_says(text, "mass, at most 2 kg", "no amount is given for 2 of 3")
     assert_says(remarks, "over a cap: heavy", "mass 3 kg")
     assert [one["merit"] for one in of["heavy"]["unknown_caps"]] == ["price"]
     assert of["poet"]["unknown_caps"][1] == {
@@ -80,7 +81,7 @@ def test_unknown_amounts_stand_in_terminal_page_and_document(capped):
 
 @pytest.mark.parametrize(
     ("caps", "said"),
-    [((), "the requirement sets no cap"), (CAPS[2:], "no cap is exceeded")],
+    [((), "the requirement sets no cap"), (CAPS[2:], "No cap is exceeded")],
 )
 def test_no_cap_is_exceeded_only_where_there_is_one(caps, said):
     """Without remarks the page says whether there was a cap to keep."""
@@ -100,9 +101,9 @@ def test_limits_of_a_sensor_that_no_device_has_are_not_met():
     first, *_ = comparison_sections(found)
 
     assert_says(rendered(found), "accelerometer: limits not judged", "no device")
-    assert document.headline == "MET for the gyro: test requirement"
-    for text in (document.summary[0], " ".join(lines(first))):
-        assert_says(text, "device that meets", "accelerometer", "not judged")
+    for text in (document.headline, " ".join(lines(first))):
+        assert_says(text, "MET", "limits for the accelerometer not judged")
+        assert_says(text, "1 of 1 gyro meets")
     assert "limits the accelerometer" in " ".join(lines(section(document, "remarks")))
     assert found.to_dict()["not_compared"] == ["accelerometer"]
 
@@ -189,7 +190,7 @@ def test_a_front_that_would_show_nothing_is_said_in_words(masses, said):
     fronts = [p.name for p in find(document, Picture) if p.name.startswith("front")]
 
     assert fronts == ["front-power-gyro-0"]
-    text = " ".join(lines(section(document, "devices-gyro-0")))
+    text = " ".join(lines(section(document, "figures")))
     assert_says(text, "price: no device gives one", f"mass: {said}")
 
 
@@ -208,46 +209,42 @@ def test_with_every_front_drawn_nothing_is_said_of_fronts():
     document = comparison_document(compared(devices, method="gum"), date=DATE)
 
     assert sum(p.name.startswith("front") for p in find(document, Picture)) == 3
-    assert "No front" not in " ".join(lines(document.sections))
+    assert "No figure" not in " ".join(lines(document.sections))
 
 
-def titled(*devices):
-    """Return the title of the margins of some devices."""
-    return margin_title(rankings(compared(list(devices), method="gum"))[0])
-
-
-def test_the_title_names_no_device_that_lacks_a_line():
-    """Nearly no error, but lines missing: the best is one that can be decided."""
+def test_the_map_names_no_device_that_lacks_a_specification():
+    """Nearly no error, but specifications missing: it is asked for, not drawn."""
     bare = paper_device("bare", times=0.01, missing=("bias_stability",))
-    bad = paper_device("bad", times=20.0)
+    bad = paper_device("bad", times=20.0, missing=("bias_stability",))
     good = paper_device("good", times=0.5)
 
-    left = ("1 cannot be decided", "lines are missing")
-    assert_says(titled(bare, bad), "gyro: none of 2 meets", "decided is bad", *left)
-    assert_says(titled(bare), "gyro: none of 1 can be decided", "lines are missing")
-    assert_says(titled(bare, good), "gyro: 1 of 2 meets", "the best is good", *left)
-    assert_says(titled(bad), "gyro: none of 1 meets", "is bad")
-    for title in (titled(bare, bad), titled(bare, good)):
-        assert re.search(r"(good|bad) at [\d.]+ % of the limit", title)
-        assert "bare" not in title
+    def titled(*devices):
+        return map_title(rankings(compared(list(devices), method="gum"))[0])
+
+    assert_says(titled(bare, good), "tightest for the only device")
+    assert_says(titled(good, bad), "tightest", "1 more does not give all")
+    assert_says(titled(bad), "no device that is decided gives all")
 
 
-def test_devices_that_lack_lines_are_marked():
-    """Map, margins and ranking mark the device that lacks a line, and no other."""
+def test_devices_that_lack_specifications_are_marked():
+    """The map marks what is this or more, and leaves out what cannot be judged."""
     devices = [
         paper_device("bare", times=0.01, missing=("bias_stability",)),
+        paper_device("beyond", times=20.0, missing=("bias_stability",)),
         paper_device("whole", times=0.5),
     ]
     document = comparison_document(compared(devices, method="gum"), date=DATE)
-    pictures = {p.name.partition("-")[0]: p for p in find(document, Picture)}
-    ranking = next(t for t in find(document, Table) if t.name.startswith("ranking"))
+    (drawn,) = (p for p in find(document, Picture) if p.name.startswith("map"))
+    ranking = next(t for t in find(document, Table) if t.name == "ranking")
 
-    for name in ("map", "margins"):
-        assert ">bare *<" in pictures[name].svg
-        assert ">whole<" in pictures[name].svg
-        assert "*: expected lines are missing" in pictures[name].caption
-    notes = {row[0].text: row[0].note for row in ranking.groups[0].rows}
-    assert notes == {"bare": "lines missing", "whole": ""}
+    assert ">beyond *<" in drawn.svg
+    assert ">whole<" in drawn.svg
+    assert "bare" not in drawn.svg
+    assert "*: specifications are not given" in drawn.caption
+    told = {row[0].text: row[2].text for row in ranking.groups[0].rows}
+    assert told.keys() == {"beyond", "whole"}
+    assert told["beyond"].startswith("≥")
+    assert not told["whole"].startswith("≥")
 
 
 def judged(found, verdict, **more):
@@ -260,14 +257,14 @@ def judged(found, verdict, **more):
 
 
 @pytest.mark.parametrize(
-    ("verdict", "headline", "said"),
+    ("verdict", "headline", "counts"),
     [
-        ("meets", "MET", "has a device that meets"),
-        ("meets_if", "MET ON CONDITIONS", "on conditions at least"),
-        ("undecided", "NOT MET", "no device that meets"),
+        ("meets", "MET", "3 of 3 gyros"),
+        ("meets_if", "MET ON CONDITIONS", "3 of 3 gyros (on conditions)"),
+        ("undecided", "NOT MET", "0 of 3 gyros"),
     ],
 )
-def test_the_answer_is_by_the_best_verdict(capped, verdict, headline, said):
+def test_the_answer_is_by_the_best_verdict(capped, verdict, headline, counts):
     """Of required sensors, of those that are judged alone, and in every language."""
     found = judged(capped, verdict)
     partly = replace(
@@ -276,10 +273,11 @@ def test_the_answer_is_by_the_best_verdict(capped, verdict, headline, said):
         not_compared=("imu", "mission"),
     )
 
-    for one, of in ((found, ""), (partly, " for the gyro")):
+    for one, of in ((found, ": "), (partly, ", limits for the gyro and acc")):
         page = comparison_document(one, date=DATE)
-        assert page.headline == f"{headline}{of}: test requirement"
-        assert_says(" ".join(page.summary), said)
+        assert page.headline.startswith(f"{headline}{of}")
+        assert counts in page.headline
+        assert page.headline.endswith(" meet test requirement")
         with speaking("zh"):
             page = comparison_document(one, date=DATE)
         assert "test requirement" in page.headline
@@ -290,32 +288,48 @@ def test_the_answer_is_by_the_best_verdict(capped, verdict, headline, said):
 @pytest.mark.parametrize(
     ("verdict", "said"),
     [
-        ("meets", "A device meets"),
-        ("meets_if", "on conditions"),
-        ("fails", "No device meets"),
+        ("meets", "MET: 3 of 3 units on the mission meet"),
+        ("meets_if", "MET ON CONDITIONS: 3 of 3 units on the mission (on conditions)"),
+        ("fails", "NOT MET: 0 of 3 units on the mission meet"),
     ],
 )
 def test_the_answer_on_a_mission_alone_names_no_sensor(capped, verdict, said):
-    """One of both sensors meets, does so on conditions, or none does."""
-    found = judged(replace(capped, mission="flight"), verdict, sensor="mission")
-    summary = " ".join(comparison_document(found, date=DATE).summary)
+    """Units meet, do so on conditions, or none does."""
+    gyros = tuple(one for one in capped.devices if one.sensor == "gyro")
+    alone = replace(capped, devices=gyros, mission="flight")
+    found = judged(alone, verdict, sensor="mission")
+    page = comparison_document(found, date=DATE)
 
-    assert_says(summary, said, "on the mission", "flight")
-    assert "required sensor" not in summary
+    assert page.headline.startswith(said)
+    assert_says(" ".join(page.summary), "on the mission flight")
+    assert "gyro" not in page.headline
+
+
+def test_who_meets_after_any_procedure_is_counted_once(capped):
+    """On conditions after one and without after another: a device that meets."""
+    gyros = [one for one in capped.devices if one.sensor == "gyro"]
+    first = judged(replace(capped, devices=tuple(gyros)), "meets_if").devices
+    second = [replace(one, procedure="other") for one in gyros[:1]]
+    procedures = (*capped.procedures, "other")
+    found = replace(capped, devices=(*first, *second), procedures=procedures)
+
+    (one,) = tallies(found)
+    assert (one.devices, one.meeting, one.conditional) == (3, 3, 2)
 
 
 def test_devices_of_which_nothing_is_known_are_named(capped):
-    """In the remarks and beside the ranking of the sensor; they are undecidable."""
+    """Among what cannot be judged, with all that there is to ask for."""
     (one, *_) = [device for device in capped.devices if device.sensor == "gyro"]
     own = {field.name: getattr(one, field.name) for field in fields(Entrant)}
     standing = replace(one.standing, verdict="undecidable")
-    bare = Entrant(**own | {"name": "bare", "standing": standing})
+    bare = Entrant(**own | {"name": "bare", "place": 9, "standing": standing})
     page = comparison_document(replace(capped, nothing_known=(bare,)), date=DATE)
 
-    for name in ("remarks", "devices-gyro-0"):
-        text = " ".join(lines(section(page, name)))
-        assert_says(text, "nothing is known of bare", "no error line of the gyro")
-    assert_says(section(page, "devices-gyro-0").title, "1 undecidable")
+    ((names, ask, *_),) = rows(section(page, "not-judged"))
+    assert names == "bare"
+    assert_says(ask, "every error specification", "none is given")
+    assert "1 undecidable" in " ".join(lines(page.cards[0]))
+    assert "of 4 gyros" in page.headline
 
 
 def test_advice_is_given_once_for_all_that_it_is_for(capped):
