@@ -75,6 +75,8 @@ class Column:
     kind: str = "text"
     # Share of the width that a text column asks for beside other text columns.
     weight: float = 1.0
+    # Whether a narrow page has it below the row: numbers that answer come first.
+    folds: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +176,12 @@ def table_of(
         name=name,
         caption=caption,
         columns=tuple(
-            Column(head=say(field.head), kind=field.kind, weight=field.weight)
+            Column(
+                head=say(field.head),
+                kind=field.kind,
+                weight=field.weight,
+                folds=field.folds,
+            )
             for _, field in kept
         ),
         groups=tuple(
@@ -210,6 +217,7 @@ class Picture:
     # The numbers behind it; None where a table beside it has them.
     data: Table | None = None
     is_wide: bool = False  # whether it needs the width of the page
+    narrow: str = field(default="", repr=False)  # the same for a telephone, if it does
     # Whether paper has that table too: not where the figure or a table prints them.
     data_on_paper: bool = True
 

@@ -59,7 +59,8 @@ def _render(document: Document) -> str:
         "tails": _tails,
         "widths": _widths,
         "picture": _picture,
-        "natural_width": lambda picture: natural_width(picture.svg),
+        "natural_width": natural_width,
+        "css_string": css_string,
         "model": _model,
         "has_bar": lambda share: share is not None and share > SMALL_BAR,
         "per_cent": lambda share: f"{100.0 * min(share, 1.0):.1f}%",
@@ -183,11 +184,9 @@ def _widths(table: Table) -> list[str]:
     ]
 
 
-def _picture(picture: Picture) -> Markup:
-    """Set a figure into the page."""
-    return markup(
-        svg_element(picture.svg, name=picture.name, alt=picture.alt, tips=picture.tips)
-    )
+def _picture(picture: Picture, svg: str, name: str) -> Markup:
+    """Set a drawing of a figure into the page."""
+    return markup(svg_element(svg, name=name, alt=picture.alt, tips=picture.tips))
 
 
 def _model(model: Mapping[str, object]) -> Markup:

@@ -15,7 +15,8 @@ that terminal, HTML and PDF show. What it may write:
     | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight, `{code}` for its
-                                        kind, or both; a group of rows
+                                        kind, `{more}` for one that a narrow page has
+                                        below the row, or several; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
     Empty: words                        that there are no points of a listing, muted
@@ -112,6 +113,7 @@ KINDS = {"right": "number", "center": "unit"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
 TABLE, BRIEF, EMPTY = "Table: ", "Brief: ", "Empty: "
+MORE = "more"  # in the braces of a head
 _objects: ContextVar[list[Object]] = ContextVar("objects")
 
 
@@ -432,6 +434,8 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
         column = (
             replace(column, weight=float(one))
             if one[0].isdigit()
+            else replace(column, folds=True)
+            if one == MORE
             else replace(column, kind=one)
         )
     return column, bool(mark)

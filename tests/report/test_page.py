@@ -55,6 +55,7 @@ KEPT = {
     "language",
     "kind",
     "svg",
+    "narrow",
     "json",
 }  # not text for readers: words of ours, drawn, encoded
 
