@@ -56,7 +56,7 @@ function filterRows(tables, search) {
       const about = title ? title.textContent : "";
       let found = 0;
       for (const row of rows) {
-        const text = `${about} ${row.textContent}`.replace(/\s+/g, " ").toLowerCase();
+        const text = `${about} ${row.textContent}`.replace(/\s+/g, " ").replace(/\u2212/g, "-").toLowerCase();
         row.hidden = !words.every((word) => text.includes(word));
         found += row.hidden ? 0 : 1;
       }

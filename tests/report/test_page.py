@@ -111,7 +111,7 @@ class Page(HTMLParser):
 
 def words(text):
     """Return a text without the spaces and signs that a page sets in its own way."""
-    text = text.replace("\N{MINUS SIGN}", "-")
+    text = re.sub(r"\^(?=-?\d)", "", text.replace("\N{MINUS SIGN}", "-"))
     return re.sub(r"[\s\N{NARROW NO-BREAK SPACE}]", "", text)
 
 
