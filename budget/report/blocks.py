@@ -77,6 +77,25 @@ class Column:
     weight: float = 1.0
     # Whether a narrow page has it below the row: numbers that answer come first.
     folds: bool = False
+    role: str = ""  # what a script knows it by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Share:
+    """One part of a stacked bar: what it is of, its share, and how it looks."""
+
+    name: str  # for a program: 'gyro.bias_repeatability'
+    text: str  # 'bias repeatability 94 %'
+    share: float  # of the variance [1]
+    colour: str  # '#0072B2'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shares:
+    """A stacked bar in a cell: shares of one variance, from the largest."""
+
+    outputs: tuple[str, ...]  # that the row is of, the first has these: 'gyro.bias.x'
+    parts: tuple[Share, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +108,7 @@ class Cell:
     share: float | None = None  # part of the cell that a bar behind the text fills [1]
     strong: bool = False  # bold: what the reader must not miss
     note: str = ""  # a second line, small
+    shares: Shares | None = None  # a stacked bar above the text
 
 
 @dataclass(frozen=True, kw_only=True)

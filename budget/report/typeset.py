@@ -336,6 +336,10 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
                     "text": part,
                     "plain": _join(part),
                     "share": cell.share,
+                    "parts": [
+                        [one.share, one.colour]
+                        for one in (cell.shares.parts if cell.shares else ())
+                    ],
                     "strong": cell.strong,
                     "note": with_minus(cell.note),
                     "under": _cut_text(cell.note),
