@@ -75,8 +75,9 @@ class Column:
     kind: str = "text"
     # Share of the width that a text column asks for beside other text columns.
     weight: float = 1.0
-    # Whether a narrow page has it below the row: numbers that answer come first.
-    folds: bool = False
+    # Where a narrow page has it, as numbers that answer come first: '' beside the head
+    # of the row, 'below' it, or there after a tap, 'more'.
+    when_narrow: str = ""
     role: str = ""  # what a script knows it by
 
 
@@ -200,7 +201,7 @@ def table_of(
                 head=say(field.head),
                 kind=field.kind,
                 weight=field.weight,
-                folds=field.folds,
+                when_narrow=field.when_narrow,
             )
             for _, field in kept
         ),

@@ -16,8 +16,9 @@ that terminal, HTML and PDF show. What it may write:
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight, `{code}` for its
                                         kind, `{used}` what a script knows it by,
-                                        `{more}` for one that a narrow page has below
-                                        the row, or several; a group of rows
+                                        `{below}` where a narrow page has it, below
+                                        the row, `{more}` there after a tap, or
+                                        several; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
     Empty: words                        that there are no points of a listing, muted
@@ -116,7 +117,7 @@ MARKED_KINDS = {"code", "drawing"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
 TABLE, BRIEF, EMPTY = "Table: ", "Brief: ", "Empty: "
-MORE = "more"  # in the braces of a head
+NARROW = {"below", "more"}  # of columns: see `Column.when_narrow`
 _objects: ContextVar[list[Object]] = ContextVar("objects")
 
 
@@ -439,8 +440,8 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
         column = (
             replace(column, weight=float(one))
             if one[0].isdigit()
-            else replace(column, folds=True)
-            if one == MORE
+            else replace(column, when_narrow=one)
+            if one in NARROW
             else replace(column, kind=one)
             if one in MARKED_KINDS
             else replace(column, role=one)

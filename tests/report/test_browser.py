@@ -421,9 +421,9 @@ def test_folded_columns_stand_below_their_row_after_a_tap(browser, tmp_path):
     """A telephone has them below, with their heads; a desk beside; no script: below."""
     columns = (
         Column(head="row"),
-        Column(head="how", folds=True),
+        Column(head="how", when_narrow="more"),
         Column(head="u", kind="number"),
-        Column(head="of", folds=True),
+        Column(head="of", when_narrow="more"),
     )
     rows = [tuple(Cell(text=text) for text in row) for row in ("abcd", "efgh")]
     table = Table(
