@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 MINUS, BOUND, NARROW = "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}", "\u202f"
 TEN = f"{NARROW}\N{MULTIPLICATION SIGN}{NARROW}10"
 # No part of a name, a date, a range, a setting or a quotation.
-NEGATIVE = re.compile(r"(?<![\w.+/=\"'-])-(?=\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\d.]*\w))")
+NEGATIVE = re.compile(r"(?<![\w.+/=^\"'-])-(?=\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\d.]*\w))")
 MARKED = re.compile(
     # A power of ten; one digit before the point, as numbers are printed.
     rf"(?<![\w.+/=-])(?P<digits>{MINUS}?\d(?:\.\d+)?)e(?P<power>[+-]?\d{{1,3}})(?!\.?\w)"

@@ -12,10 +12,10 @@ DOI = "10.11823/j.issn.1674-5795.2019.03.06"
 
 
 def shown(text):
-    """Write the pieces of a text in a line: `^` before exponents, links in brackets."""
+    """Write the pieces of a text in a line: exponents and links in brackets."""
     marks = {
         str: str,
-        Raised: lambda one: f"^{one.text}",
+        Raised: lambda one: f"<{one.text}>",
         Link: lambda one: f"[{one.text}]({one.address})",
     }
     return "".join(marks[type(one)](one) for one in cut(text))
@@ -24,10 +24,10 @@ def shown(text):
 @pytest.mark.parametrize(
     ("text", "set_as"),
     [
-        ("once a day (1.157e-05 Hz)", f"once a day (1.157{TEN}^{MINUS}5{BOUND}Hz)"),
-        ("closed form -1.0219e-5; on", f"closed form {MINUS}1.0219{TEN}^{MINUS}5; on"),
-        ("3.89e3, 1e+05", f"3.89{TEN}^3, 1{TEN}^5"),
-        ("9.8 m/s^2 and 2^-53", f"9.8{BOUND}m/s^2 and 2^{MINUS}53"),
+        ("once a day (1.157e-05 Hz)", f"once a day (1.157{TEN}<{MINUS}5>{BOUND}Hz)"),
+        ("closed form -1.0219e-5; on", f"closed form {MINUS}1.0219{TEN}<{MINUS}5>; on"),
+        ("3.89e3, 1e+05", f"3.89{TEN}<3>, 1{TEN}<5>"),
+        ("9.8 m/s^2 and 2^-53", f"9.8{BOUND}m/s<2> and 2<{MINUS}53>"),
         ("from -0.5 to -40 degC", f"from {MINUS}0.5{BOUND}to {MINUS}40{BOUND}degC"),
     ],
 )
