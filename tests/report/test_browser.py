@@ -343,8 +343,8 @@ ON_A_TELEPHONE = """() => {
       const { width, height } = e.getBoundingClientRect();
       return Math.min(width, height) < 24;
     }).map((e) => e.outerHTML);
-  const heads = [...document.querySelectorAll(".rest thead th")].filter(
-    (head) => shown(head) && head.textContent.trim() === "verdict");
+  const heads = [...document.querySelectorAll("thead th")].filter((head) => shown(head)
+    && ["verdict", "of the limit [%]"].includes(head.textContent.trim()));
   const hidden = heads.filter((head) =>
     head.getBoundingClientRect().right > innerWidth)
     .map((head) => head.closest("table").id);
