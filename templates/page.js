@@ -56,7 +56,7 @@ function filterRows(tables, search) {
       const about = title ? title.textContent : "";
       let found = 0;
       for (const row of rows) {
-        const text = `${about} ${row.textContent}`.replace(/\s+/g, " ").toLowerCase();
+        const text = `${about} ${row.textContent}`.replace(/\s+/g, " ").replace(/\u2212/g, "-").toLowerCase();
         row.hidden = !words.every((word) => text.includes(word));
         found += row.hidden ? 0 : 1;
       }
@@ -92,11 +92,35 @@ function setUpSearch(place, tables) {
   place.hidden = false;
 }
 
+/** On a narrow page a tap on the head of a row shows the columns that are folded below it. */
+function setUpFolds(tables) {
+  const narrow = matchMedia("(max-width: 40rem)");
+  const rows = tables.flatMap((table) => [...table.tBodies].flatMap((body) => [...body.rows]))
+    .filter((row) => [...row.querySelectorAll(".more")].some((cell) => cell.textContent));
+  const fold = () => {
+    tables.forEach((table) => table.classList.toggle("folds", narrow.matches));
+    for (const row of rows) {
+      const head = row.cells[0];
+      const button = make("button", { type: "button", "aria-expanded": "false" });
+      const [from, to] = narrow.matches ? [head, button] : [head.firstChild, head];
+      to.replaceChildren(...from.childNodes);
+      if (!narrow.matches) continue;
+      head.replaceChildren(button);
+      row.classList.remove("open");
+      button.addEventListener("click", () =>
+        button.setAttribute("aria-expanded", String(row.classList.toggle("open"))));
+    }
+  };
+  if (narrow.matches) fold();
+  narrow.addEventListener("change", fold);
+}
+
 /** Boxes that show all that is in them are no stops of the Tab key. */
 function setUpStops() {
   const watch = new ResizeObserver((boxes) => boxes.forEach(({ target }) => {
     const more = target.scrollWidth > target.clientWidth || target.scrollHeight > target.clientHeight;
     target.tabIndex = more ? 0 : -1;
+    target.classList.toggle("beyond-sides", target.scrollWidth > target.clientWidth);
   }));
   document.querySelectorAll("[role=group][tabindex]").forEach((box) => watch.observe(box));
 }
@@ -111,6 +135,7 @@ function setUpPage() {
   for (const model of document.querySelectorAll("script.what-if-model")) {
     setUpWhatIf(model.previousElementSibling, JSON.parse(model.textContent));
   }
+  setUpFolds([...document.querySelectorAll("table.folded")]);
   setUpStops();
 }
 

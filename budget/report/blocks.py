@@ -75,6 +75,9 @@ class Column:
     kind: str = "text"
     # Share of the width that a text column asks for beside other text columns.
     weight: float = 1.0
+    # Where a narrow page has it, as numbers that answer come first: '' beside the head
+    # of the row, 'below' it, or there after a tap, 'more'.
+    when_narrow: str = ""
     role: str = ""  # what a script knows it by
 
 
@@ -194,7 +197,12 @@ def table_of(
         name=name,
         caption=caption,
         columns=tuple(
-            Column(head=say(field.head), kind=field.kind, weight=field.weight)
+            Column(
+                head=say(field.head),
+                kind=field.kind,
+                weight=field.weight,
+                when_narrow=field.when_narrow,
+            )
             for _, field in kept
         ),
         groups=tuple(
@@ -230,6 +238,7 @@ class Picture:
     # The numbers behind it; None where a table beside it has them.
     data: Table | None = None
     is_wide: bool = False  # whether it needs the width of the page
+    narrow: str = field(default="", repr=False)  # the same for a telephone, if it does
     # Whether paper has that table too: not where the figure or a table prints them.
     data_on_paper: bool = True
 

@@ -14,6 +14,7 @@ from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
 from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
 from budget.report.formulas import Math, to_mathml
+from budget.report.inline import MINUS, Raised, bind, cut
 from budget.resources import own_templates, telling, template_environment
 
 if TYPE_CHECKING:
@@ -53,13 +54,15 @@ def _render(document: Document) -> str:
     environment = page_environment()
     environment.filters |= {
         "words": _words,
+        "set": lambda text: markup(_text(text)),
         "formula": lambda math: markup(_formula(math, "displaystyle")),
         "kind": lambda block: type(block).__name__,
         "is_broad": _is_broad,
         "tails": _tails,
         "widths": _widths,
         "picture": _picture,
-        "natural_width": lambda picture: natural_width(picture.svg),
+        "natural_width": natural_width,
+        "css_string": css_string,
         "model": _model,
         "ink": lambda colour: INKS.get(colour, colour),
         "has_bar": lambda share: share is not None and share > SMALL_BAR,
@@ -114,13 +117,27 @@ def _words(words: Words) -> Markup:
 def _part(part: str | Run | Math) -> str:
     """Set one part of a line; a number stays with its unit."""
     if isinstance(part, str):
-        return escape(bind(part))
+        return _text(part)
     if isinstance(part, Math):
         return _formula(part)
-    text = escape(bind(part.text))
+    text = _text(part.text)
     if part.exact is not None:
         text = f'<span class="number" title="{part.exact!r}">{_signs(part.text)}</span>'
     return f"<strong>{text}</strong>" if part.strong else text
+
+
+def _text(text: str) -> str:
+    """Set a text: minus signs are true, powers raised, addresses links."""
+    pieces = []
+    for part in cut(text):
+        if isinstance(part, str):
+            pieces.append(escape(part))
+        elif isinstance(part, Raised):
+            pieces.append(f"<sup>{part.text}</sup>")
+        else:
+            to, said = escape(part.address), escape(part.text)
+            pieces.append(f'<a href="{to}" rel="noreferrer">{said}</a>')
+    return "".join(pieces)
 
 
 def _formula(math: Math, style: str = "") -> str:
@@ -188,11 +205,9 @@ def _widths(table: Table) -> list[str]:
     ]
 
 
-def _picture(picture: Picture) -> Markup:
-    """Set a figure into the page."""
-    return markup(
-        svg_element(picture.svg, name=picture.name, alt=picture.alt, tips=picture.tips)
-    )
+def _picture(picture: Picture, svg: str, name: str) -> Markup:
+    """Set a drawing of a figure into the page."""
+    return markup(svg_element(svg, name=name, alt=picture.alt, tips=picture.tips))
 
 
 def _model(model: Mapping[str, object]) -> Markup:
@@ -266,8 +281,7 @@ def _with_tips(svg: str, tips: Mapping[str, str]) -> str:
 
 
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
-MINUS_SIGN = "\N{MINUS SIGN}"
-MINUS = re.compile(r"(?<![\w.)\]])-(?=\d)")  # a sign, not a hyphen
+SIGN = re.compile(r"(?<![\w.)\]])-(?=\d)")  # a sign, not a hyphen
 POWER = re.compile(r"(?<=\d)e([+-]?)0*(\d+)\b")  # of ten, as Python prints it
 PLAIN = re.compile(r"([<>]?[-+]?\d+(\.\d+)?)( [^\d]*)?")
 
@@ -319,11 +333,11 @@ def number_markup(text: str, *, tail: int = 0) -> str:
 
 def signs_markup(text: str) -> str:
     """Escape a text; minus signs of numbers in it are true, powers of ten raised."""
-    told = MINUS.sub(MINUS_SIGN, escape(text))
+    told = SIGN.sub(MINUS, escape(text))
     return POWER.sub(
         lambda power: (
             "&#8239;&times;&#8239;10<sup>"
-            f"{power[1].replace('-', MINUS_SIGN).replace('+', '')}{power[2]}</sup>"
+            f"{power[1].replace('-', MINUS).replace('+', '')}{power[2]}</sup>"
         ),
         told,
     )
@@ -332,11 +346,6 @@ def signs_markup(text: str) -> str:
 def longest_tail(texts: Iterable[str]) -> int:
     """Return the most characters from a decimal point on, powers of ten left out."""
     return max((_tail(text) or 0 for text in texts), default=0)
-
-
-def bind(text: str) -> str:
-    """Keep each number and what follows it, its unit mostly, on one line."""
-    return re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", text)
 
 
 def script_safe(document: str) -> str:

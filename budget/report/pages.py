@@ -15,7 +15,9 @@ that terminal, HTML and PDF show. What it may write:
     | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight, `{code}` for its
-                                        kind, `{used}` what a script knows it by, or
+                                        kind, `{used}` what a script knows it by,
+                                        `{below}` where a narrow page has it, below
+                                        the row, `{more}` there after a tap, or
                                         several; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
@@ -115,6 +117,7 @@ MARKED_KINDS = {"code", "drawing"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
 TABLE, BRIEF, EMPTY = "Table: ", "Brief: ", "Empty: "
+NARROW = {"below", "more"}  # of columns: see `Column.when_narrow`
 _objects: ContextVar[list[Object]] = ContextVar("objects")
 
 
@@ -437,6 +440,8 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
         column = (
             replace(column, weight=float(one))
             if one[0].isdigit()
+            else replace(column, when_narrow=one)
+            if one in NARROW
             else replace(column, kind=one)
             if one in MARKED_KINDS
             else replace(column, role=one)

@@ -444,9 +444,12 @@ def _print_by_law(p: float) -> str:
 
 
 def print_most(p: Probability) -> str:
-    """Print in per cent what a probability is at the most: '98.3', '0.01', '100'."""
+    """Print in per cent what a probability is at the most: '98.3', '0.01'.
+
+    '' where that says nothing, as it is all but 100 %.
+    """
     text = print_probability(p)
-    return "100" if text.startswith(">") else text.removeprefix("<")
+    return "" if text.startswith(">") or text == "100" else text.removeprefix("<")
 
 
 def print_chance(p: float) -> str:

@@ -33,6 +33,7 @@ from budget.report.blocks import (
     drawn,
 )
 from budget.report.fonts import choose_fonts, name_character, place_fonts, text_width
+from budget.report.inline import BOUND, MINUS, NARROW, Link, cut, exponent, with_minus
 from budget.report.pages import line
 from budget.report.tables import align_decimals
 from budget.resources import own_pictures, template_file
@@ -68,19 +69,15 @@ SMALL = 0.9  # size of notes over that of the table [1]
 EXPONENT = 0.6  # size of exponents over that of the table [1]
 
 # Text.
-MINUS, BOUND, NARROW = "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}", "\u202f"
 DIGIT, POINT = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"  # as wide as those
 BREAK = "\N{ZERO WIDTH SPACE}"  # a line may end here
 SAID = "typeset"  # the page of what is said around a document
 
 # As `tables` prints: '<0.1', '-2.3e-9', '230 000', '79 %'.
 NUMBER = re.compile(
-    r"(?P<head>[<>]?)(?P<digits>[+-]?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>-?\d+))?"
+    r"(?P<head>[<>]?)(?P<digits>[+-]?\d[\d ]*(?:\.\d+)?)(?:e(?P<power>[+-]?\d+))?"
     r"(?P<tail>| [^\d\s].*)"
 )
-# In a sentence: no part of a name, a date or a range.
-NEGATIVE = re.compile(r"(?<![\w.+/-])-(?=\d+(?:\.\d+)?(?:e-?\d+)?(?![\d.]*\w))")
-RAISED = re.compile(rf"(?<![\w.+/-])({MINUS}?\d+(?:\.\d+)?)e(-?\d+)(?!\.?\w)")
 LONG_WORD = 24  # characters; words of a report are shorter
 UNBROKEN = 12  # characters of a long one between places where a line may end
 
@@ -144,7 +141,7 @@ def plain_document(document: Document, pictures: Sequence[Picture]) -> dict[str,
         },
         "title": document.title,
         "heading": break_long(document.title),
-        "facts": [break_long(fact) for fact in document.facts],
+        "facts": [_cut_text(fact) for fact in document.facts],
         "date": document.date,
         "version": document.version,
         "headline": break_long(document.headline),
@@ -326,7 +323,13 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
         cells = [row[place] for row in group.rows]
         texts = [cell.text for cell in cells]
         numeric = column.kind == "number"
-        parts = cut_numbers(texts) if numeric else [break_long(t) for t in texts]
+        parts = (
+            cut_numbers(texts)
+            if numeric
+            else [break_long(text) for text in texts]
+            if column.kind == "code"
+            else [_cut_text(text) for text in texts]
+        )
         by_column.append(
             [
                 {
@@ -338,7 +341,8 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
                         for one in (cell.shares.parts if cell.shares else ())
                     ],
                     "strong": cell.strong,
-                    "note": break_long(cell.note),
+                    "note": with_minus(cell.note),
+                    "under": _cut_text(cell.note),
                     "whole": whole,
                 }
                 for part, cell, whole in zip(parts, cells, wholes, strict=True)
@@ -347,10 +351,14 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
     return [list(row) for row in zip(*by_column, strict=True)]
 
 
-def _join(part: Part) -> str:
+def _join(part: Part | list[Part]) -> str:
     """Write a part about as wide as it will be."""
     if isinstance(part, str):
         return part
+    if isinstance(part, list):
+        return "".join(map(_join, part))
+    if "text" in part:
+        return str(part["text"])
     power = part["power"]
     raised = power[: round(EXPONENT * len(power))]
     times = f"\u202f\N{MULTIPLICATION SIGN}\u202f10{raised}" if power else ""
@@ -364,8 +372,8 @@ def cut_words(words: Words) -> list[Part]:
         if isinstance(word, str):
             parts += _cut_text(word)
         elif isinstance(word, Run):
-            cut = list(_cut_text(word.text))
-            parts += [{"is": "strong", "parts": cut}] if word.strong else cut
+            said = _cut_text(word.text)
+            parts += [{"is": "strong", "parts": said}] if word.strong else said
         else:
             parts.append(cut_math(word))
     return parts
@@ -397,7 +405,7 @@ def cut_numbers(texts: Sequence[str]) -> list[Part]:
                 "is": "number",
                 "head": match["head"],
                 "digits": _print_digits(digits),
-                "power": "" if power is None else _print_digits(power),
+                "power": "" if power is None else exponent(power),
                 "tail": match["tail"].replace(" ", BOUND, 1),
                 "pad": pad,
             }
@@ -411,8 +419,9 @@ def shorten(text: str, length: int) -> str:
 
 
 def break_long(text: str) -> str:
-    """Let a line end within words that no column could hold."""
-    return re.sub(rf"\S{{{LONG_WORD},}}", lambda word: _break_word(word[0]), text)
+    """Let a line end within words that no column could hold; minus signs are true."""
+    told = with_minus(text)
+    return re.sub(rf"\S{{{LONG_WORD},}}", lambda word: _break_word(word[0]), told)
 
 
 def _break_word(word: str) -> str:
@@ -425,25 +434,16 @@ def _break_word(word: str) -> str:
     )
 
 
-def _cut_text(text: str) -> Iterator[Part]:
-    """Yield a text with the numbers in it set as numbers, bound to their units."""
-    # Pieces between powers of ten: text, mantissa, exponent, text, ...
-    pieces = RAISED.split(NEGATIVE.sub(MINUS, text))
-    for place in range(0, len(pieces), 3):
-        words = re.sub(r"(?<=\d) (?=\S)", BOUND, pieces[place])
-        if place:
-            words = re.sub(r"^ (?=\S)", BOUND, words)
-        if words:
-            yield break_long(words)
-        if place + 1 < len(pieces):
-            yield {
-                "is": "number",
-                "head": "",
-                "digits": pieces[place + 1],
-                "power": _print_digits(pieces[place + 2]),
-                "tail": "",
-                "pad": "",
-            }
+def _cut_text(text: str) -> list[Part]:
+    """Turn a text into what JSON holds: words, exponents, links."""
+    return [
+        break_long(part)
+        if isinstance(part, str)
+        else {"is": "link", "text": break_long(part.text), "to": part.address}
+        if isinstance(part, Link)
+        else {"is": "raised", "text": part.text}
+        for part in cut(text)
+    ]
 
 
 def _print_digits(digits: str) -> str:

@@ -335,7 +335,14 @@ ON_A_TELEPHONE = """() => {
   const small = [...document.querySelectorAll(".drawing svg")].filter(shown).flatMap(
     (svg) => [...svg.querySelectorAll("text")].filter((text) =>
       parseFloat(getComputedStyle(text).fontSize) * svg.getBoundingClientRect().width
-        / svg.viewBox.baseVal.width < 11).map((text) => text.textContent));
+        / svg.viewBox.baseVal.width < 9.3).map((text) => text.textContent));
+  const cut = [...document.querySelectorAll(".drawing")].filter(shown).filter((box) =>
+    box.scrollWidth > box.clientWidth).map((box) => box.parentElement.id);
+  const touched = document.querySelectorAll("nav a, button, summary, input, select");
+  const targets = [...touched].filter(shown).filter((e) => {
+      const { width, height } = e.getBoundingClientRect();
+      return Math.min(width, height) < 24;
+    }).map((e) => e.outerHTML);
   const heads = [...document.querySelectorAll("thead th")].filter((head) => shown(head)
     && ["verdict", "of the limit [%]"].includes(head.textContent.trim()));
   const hidden = heads.filter((head) =>
@@ -343,7 +350,7 @@ ON_A_TELEPHONE = """() => {
     .map((head) => head.closest("table").id);
   const sizes = ["h1", "h2:not(.word)", "h3", "p"].map((tag) =>
     parseFloat(getComputedStyle(document.querySelector(tag)).fontSize));
-  return { small, hidden, heads: heads.length, sizes };
+  return { small, cut, targets, hidden, heads: heads.length, sizes };
 }"""
 
 
@@ -387,14 +394,58 @@ def test_the_check_by_axe_can_fail(browser, path):
 
 @pytest.mark.parametrize("name", ["compared", "failing"])
 def test_report_can_be_read_on_a_telephone(browser, report, name):
-    """Words in figures have 11 px, verdicts are in sight, headings show their level."""
+    """Figures fit with words of 7 pt, a finger finds what it may touch.
+
+    Verdicts are in sight, headings show their level.
+    """
     with opened(browser, report(name), width=400) as (page, _):
         seen = page.evaluate(ON_A_TELEPHONE)
+        page.set_viewport_size({"width": 320, "height": 900})
+        narrower = page.evaluate(ON_A_TELEPHONE)
 
-    assert seen["small"] == []
+    assert seen["small"] == narrower["small"] == []
+    assert seen["cut"] == []
+    assert seen["targets"] == narrower["targets"] == []
     assert seen["heads"] > 0
     assert seen["hidden"] == []
     assert seen["sizes"] == sorted({*seen["sizes"]}, reverse=True)
+
+
+FOLDED = (
+    "[...document.querySelectorAll('#folded tbody .more')]"
+    ".map((cell) => cell.checkVisibility())"
+)
+
+
+def test_folded_columns_stand_below_their_row_after_a_tap(browser, tmp_path):
+    """A telephone has them below, with their heads; a desk beside; no script: below."""
+    columns = (
+        Column(head="row"),
+        Column(head="how", when_narrow="more"),
+        Column(head="u", kind="number"),
+        Column(head="of", when_narrow="more"),
+    )
+    rows = [tuple(Cell(text=text) for text in row) for row in ("abcd", "efgh")]
+    table = Table(
+        name="folded", caption="F", columns=columns, groups=(RowGroup(rows=(*rows,)),)
+    )
+    section = Section(name="z", title="Z", blocks=(table,))
+    path = written(tmp_path, example(sections=(section,)))
+    with opened(browser, path, width=400) as (page, _):
+        assert page.evaluate(FOLDED) == [False] * 4
+        page.locator("#folded tbody button").first.click()
+        assert page.evaluate(FOLDED) == [True, True, False, False]
+        page.set_viewport_size({"width": 1280, "height": 900})
+        page.locator("#folded tbody button").first.wait_for(state="detached")
+        assert page.evaluate(FOLDED) == [True] * 4
+        assert page.locator("#folded tbody th").all_inner_texts() == ["a", "e"]
+    with opened(browser, path, width=400, java_script_enabled=False) as (page, _):
+        assert page.locator("#folded tbody .more").first.is_visible()
+        tops = [
+            page.locator(f"#folded tbody {kind}").first.bounding_box()["y"]
+            for kind in (".number", ".more")
+        ]
+        assert tops[0] < tops[1]
 
 
 def test_tab_stops_at_boxes_that_scroll_alone(browser, path):

@@ -55,6 +55,7 @@ KEPT = {
     "language",
     "kind",
     "svg",
+    "narrow",
     "json",
 }  # not text for readers: words of ours, drawn, encoded
 
@@ -110,7 +111,7 @@ class Page(HTMLParser):
 
 def words(text):
     """Return a text without the spaces and signs that a page sets in its own way."""
-    text = text.replace("\N{MINUS SIGN}", "-")
+    text = re.sub(r"\^(?=-?\d)", "", text.replace("\N{MINUS SIGN}", "-"))
     return re.sub(r"[\s\N{NARROW NO-BREAK SPACE}]", "", text)
 
 

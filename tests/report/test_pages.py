@@ -110,7 +110,8 @@ def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
     """Kinds, weights, what goes where nothing stands in it; bars, remarks, titles."""
     (section,) = page(
         "## T {:t}\n\nTable: What it shows {:sizes wide}\n\n"
-        "| line{1.4} | size | unit | gone? | hash{code 3.0} |\n|---|--:|:-:|---|---|\n"
+        "| line{1.4} | size{below} | unit{more} | gone? | hash{code 3.0 more} |\n"
+        "|---|--:|:-:|---|---|\n"
         '| a{{ "why"|beneath }} | {{ "1.2"|exact(1.23)|strong }} | deg | | ff |\n'
         '| = more |\n| b | {{ "9"|bar(0.5) }} | g | | 00 |\n'
     )
@@ -124,6 +125,7 @@ def test_a_table_has_columns_by_alignment_and_rows_in_groups(page):
         *(("line", "text", 1.4), ("size", "number", 1.0)),
         *(("unit", "unit", 1.0), ("hash", "code", 3.0)),
     ]
+    assert [one.when_narrow for one in table.columns] == ["", "below", "more", "more"]
     assert [group.title for group in table.groups] == ["", "more"]
     (first,), (second,) = (group.rows for group in table.groups)
     assert first[:2] == (

@@ -55,6 +55,7 @@ from budget.report.typeset import (
 )
 
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
+TEN = f"\u202f{TIMES}\u202f10"
 NOWHERE = ()  # no font besides the bundled ones
 
 
@@ -92,7 +93,7 @@ def test_every_text_of_the_document_can_be_found(pdf, tmp_path):
     found = 0
     for words in texts_of(document):
         number = re.fullmatch(r"(-?)([\d.]+)e-(\d)", words)
-        shown = words
+        shown = re.sub(r"\^(?=\d)", "", re.sub(r"(?<!\S)-(?=\d)", MINUS, words))
         if number:  # as it is set: a true minus, the power of ten raised
             sign, digits, power = number.groups()
             shown = f"{sign and MINUS}{digits}{TIMES}10{MINUS}{power}"
@@ -405,6 +406,8 @@ def flat(part):
     if part["is"] == "number":
         power = f"*10^{part['power']}" if part["power"] else ""
         return part["head"] + part["digits"] + power + part["tail"] + part["pad"]
+    if part["is"] == "raised":
+        return f"^{part['text']}"
     return f"<{''.join(map(flat, part['parts']))}>"
 
 
@@ -434,11 +437,11 @@ def test_numbers_of_a_column_are_padded_to_their_points(texts, printed):
         ("u 0.050 deg/h", f"u 0.050{BOUND}deg/h"),
         (
             "from -0.5 to -2.3e-9 ppm",
-            f"from {MINUS}0.5{BOUND}to {MINUS}2.3*10^{MINUS}9{BOUND}ppm",
+            f"from {MINUS}0.5{BOUND}to {MINUS}2.3{TEN}^{MINUS}9{BOUND}ppm",
         ),
         ("HG4930-2 of 2026-01-31", f"HG4930-2{BOUND}of 2026-01-31"),
         ("zhao-2019.yaml a-1, -v, -3b", "zhao-2019.yaml a-1, -v, -3b"),
-        ("1e5 x", f"1*10^5{BOUND}x"),
+        ("1e5 x", f"1{TEN}^5{BOUND}x"),
         ("9f86e08, v1e5, 12e4ab", "9f86e08, v1e5, 12e4ab"),
     ],
 )

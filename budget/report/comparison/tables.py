@@ -318,9 +318,9 @@ def print_parts(
 
 
 def print_at_most(p: Probability) -> str:
-    """Print a probability that lines not given can only lessen."""
-    text = print_probability(p)
-    return text if text.startswith("<") else f"{AT_MOST} {print_most(p)}"
+    """Print a probability that lines not given can only lessen; '' of no bound."""
+    text, most = print_probability(p), print_most(p)
+    return text if text.startswith("<") else most and f"{AT_MOST} {most}"
 
 
 def print_factor(remedy: Remedy) -> str:

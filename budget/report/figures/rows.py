@@ -7,7 +7,7 @@ Heights are in points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -190,6 +190,8 @@ class Chart:
     data: Table | None = None
     data_on_paper: bool = True  # as in `Picture`
     width: float = WIDTH  # that of a column or of the page [pt]
+    # What a telephone has of a wide one; None for the same, drawn narrower.
+    narrow: Chart | None = None
 
     @property
     def groups(self) -> tuple[Group, ...]:
@@ -224,7 +226,9 @@ def chart_picture(chart: Chart) -> Picture:
         tips=chart.tips,
         caption=chart.caption,
         data=chart.data,
-        is_wide=chart.width > WIDTH,
+        narrow=draw(chart.narrow or replace(chart, width=WIDTH))
+        if chart.width > WIDTH
+        else None,
         data_on_paper=chart.data_on_paper,
     )
 

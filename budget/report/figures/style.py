@@ -336,10 +336,13 @@ def as_picture(
     tips: Mapping[str, str] | None = None,
     caption: str = "",
     data: Table | None = None,
-    is_wide: bool = False,
+    narrow: Figure | None = None,
     data_on_paper: bool = True,
 ) -> Picture:
-    """Write a figure into a block; `name` may be a dotted name with underscores."""
+    """Write a figure into a block; `name` may be a dotted name with underscores.
+
+    One that needs the width of the page has another for a telephone, `narrow`.
+    """
     name = kebab(name)
     return Picture(
         name=name,
@@ -349,7 +352,8 @@ def as_picture(
         tips=tips or {},
         caption=caption,
         data=data,
-        is_wide=is_wide,
+        is_wide=narrow is not None,
+        narrow=to_svg(narrow, name=f"{name}-narrow") if narrow else "",
         data_on_paper=data_on_paper,
     )
 

@@ -23,7 +23,7 @@ from budget.report.figures.rows import (
     Side,
     Stroke,
 )
-from budget.report.figures.style import BLUE, PAPER, WIDE, fits
+from budget.report.figures.style import BLUE, PAPER, WIDE, WIDTH, fits
 from budget.report.pages import line, sections, table, texts
 from budget.report.wording import capital
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from budget.report.figures.rows import Mark
 
 PAGE = "figures_timeline"
-SPAN = WIDE - 80.0  # of an axis at least [pt]
+BESIDE = 80.0  # of the width that an axis leaves at most [pt]
 TURN, DWELL = 0.68, 0.18  # opacities of the one hue
 MINUTE, HOUR = 60.0, 3600.0  # [s]
 IN_HOURS = 18000.0  # [s] from which times are printed so
@@ -80,22 +80,36 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
     tracks = make_tracks(procedure, sensors)
     if not tracks:
         return None
+    on_paper = bool(procedure.windows)
+    narrow = _schedule_chart(tracks, WIDTH, data_on_paper=on_paper)
+    wide = _schedule_chart(tracks, WIDE, data_on_paper=on_paper)
+    return replace(wide, narrow=narrow)
+
+
+def _schedule_chart(
+    tracks: Sequence[Track], width: float, *, data_on_paper: bool
+) -> Chart:
+    """Show turns and dwells of triads to the scale of a width [pt]."""
     longest = max(track.end for track in tracks)
     unit, size = ("h", HOUR) if longest >= IN_HOURS else ("min", MINUTE)
     said = texts(PAGE, "schedule", tracks=tracks, unit=unit)
-    scale = SPAN / longest
+    span = width - BESIDE
     whole = Panel(
         scale=Scale(low=0.0, high=longest / size, label=said.label),
         groups=tuple(
             Group(
                 title=line(PAGE, "track", track=track),
                 said=capital(words(track.sensor)),
-                rows=_rows(track, range(len(track.windows)), size, scale, said),
+                rows=_rows(
+                    track, range(len(track.windows)), size, span / longest, said
+                ),
             )
             for track in tracks
         ),
     )
-    enlarged = [panel for track in tracks for panel in _enlarged(track, scale, said)]
+    enlarged = [
+        panel for track in tracks for panel in _enlarged(track, longest, span, said)
+    ]
     return Chart(
         name="schedule",
         title=said.title,
@@ -103,22 +117,25 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
         caption=said.caption,
         pitch=20.0,
         data=table(PAGE, "data", tracks=tracks),
-        data_on_paper=bool(procedure.windows),
-        width=WIDE,
+        data_on_paper=data_on_paper,
+        width=width,
     )
 
 
-def _enlarged(track: Track, scale: float, said: SimpleNamespace) -> Iterator[Panel]:
+def _enlarged(
+    track: Track, longest: float, span: float, said: SimpleNamespace
+) -> Iterator[Panel]:
     """Yield the turns on an axis of their own where one is too short for its name.
 
-    `scale` is that of the whole [pt/s].
+    An axis of `span` [pt] has all of the longest triad [s].
     """
+    scale = span / longest
     turns = [track.windows[k] for k in track.turns]
     if all(fits(track.labels[k], track.windows[k].length * scale) for k in track.turns):
         return
     start, end = turns[0].start, turns[-1].end
-    rows = _rows(track, track.turns, 1.0, SPAN / (end - start), said)
-    times = SPAN / (end - start) / scale
+    rows = _rows(track, track.turns, 1.0, span / (end - start), said)
+    times = longest / (end - start)
     yield Panel(
         scale=Scale(low=start, high=end, label=said.seconds),
         groups=(

@@ -20,10 +20,10 @@ from budget.studies.analysis import analyze
 
 COLUMNS = [
     *("quantity", "specification", "distribution", "divisor", "u(x)", "", "c"),
-    *("c u(x) [deg/h]", "share [%]", "\N{GREEK SMALL LETTER NU}"),
+    *("", "c u(x) [deg/h]", "share [%]", "\N{GREEK SMALL LETTER NU}"),
 ]
 PAGE = "analysis/group"
-U_X, C, PART = 4, 6, 7  # places of u(x), c and c u(x)
+U_X, C, PART = 4, 6, 8  # places of u(x), c and c u(x)
 
 
 @cache
@@ -68,9 +68,11 @@ def test_axes_that_agree_stand_once():
     assert not group.title
     title = next(g for g in group_tables(budget()) if g.title == "gyro bias")
     assert line(PAGE, "title", group=title) == "Gyro bias x, y, z [deg/h]"
-    assert texts(group)["bias repeatability"][1:8] == [
-        *("0.05 deg/h, 1 sigma", "normal", "1", "0.05", "deg/h", "1", "0.050")
+    assert texts(group)["bias repeatability"][1:9] == [
+        *("0.05 deg/h, 1 sigma", "normal", "1", "0.05", "deg/h", "1", "", "0.050")
     ]
+    walk = texts(group)["angle random walk"]
+    assert walk[C + 1] == "(deg/h)/(deg/sqrt(h))"
 
 
 def test_axes_that_differ_stand_apart():
@@ -89,10 +91,15 @@ def test_printed_rows_multiply_and_add_up(settings):
     """As printed: u(x) times c is c u(x), and their squares sum to the combined u."""
     of = budget(**settings)
     for group in group_tables(of):
-        for own in budget_table(group).groups:
+        found = budget_table(group)
+        heads = [column.head for column in found.columns]
+        place = heads.index(
+            f"c u(x) [{group.unit}]"
+        )  # after units of c, if any has one
+        for own in found.groups:
             squares, seen = 0.0, 0
             for row in own.rows:
-                part = float(row[PART].text)
+                part = float(row[place].text)
                 if row[0].text.startswith("combined"):
                     assert_allclose(sqrt(squares), part, rtol=0.03)
                     seen = 1
