@@ -166,7 +166,9 @@ def report(
                 command="mission",
             )
         loaded, bare = analysis_of(budget).devices, loaded
-        evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
+        evidence = gather_evidence(
+            analysis_of(budget), budget, budget.assessment, carried
+        )
         with speaking(language):
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),

@@ -31,14 +31,17 @@ class Evidence:
 
 
 def gather_evidence(
-    analysis: Analysis, budget: Budget, assessment: Assessment | None = None
+    analysis: Analysis,
+    budget: Budget,
+    assessment: Assessment | None = None,
+    carried: Budget | None = None,
 ) -> Evidence:
-    """Compute what a report shows beside a budget, and beside its assessment."""
+    """Compute what a report shows beside a budget, its assessment, and its mission."""
     return Evidence(
         coupling=coupling_by_law(
             analysis.problem, analysis.law, analysis.procedure.formulas
         ),
         densities=critical_densities(analysis, budget, assessment),
-        what_if=what_if(analysis, budget=budget),
+        what_if=what_if(analysis, budget=budget, carried=carried),
         unfelt=unfelt(analysis),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -10,8 +10,10 @@ from budget.inputs.records import CHANGED
 from budget.names import AIDING, MISSION
 from budget.report.blocks import Section, Sliders
 from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
+from budget.report.mission import outputs_at_end
 from budget.report.pages import blocks, sections
 from budget.report.tables import (
+    as_limited,
     bound_number,
     print_coverage,
     print_two_down,
@@ -25,7 +27,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.records import Device, Sensor
     from budget.report.tables import Number
-    from budget.results import Budget
+    from budget.results import Assessment, Budget
     from budget.studies.what_if import SourceSteps, Step, WhatIf
 
 CHANGED_FILE = "changed.yaml"  # what a page calls the changed device
@@ -39,6 +41,20 @@ class AnalyzeAgain:
     of_file: str  # CHANGED_FILE in their place
     operands: str = ""  # what stands after all options of `same`
     devices: tuple[Device, ...] = ()  # as they were read, without stand-ins
+
+
+def in_page_units(
+    model: WhatIf, assessment: Assessment | None, carried: Budget | None
+) -> WhatIf:
+    """Return the model with its outputs in the units that the answer has them in."""
+    own = {} if carried is None else outputs_at_end(carried)
+    own |= {
+        row.output.name: as_limited(row).output
+        for row in (assessment.outputs if assessment else ())
+    }
+    return replace(
+        model, outputs=tuple(own.get(one.name, one) for one in model.outputs)
+    )
 
 
 def what_if_section(
