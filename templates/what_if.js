@@ -99,6 +99,7 @@ function endOf(output, mean, variance, bent) {
   return { u, expanded, largest, utilisation: output.limit === null ? null : largest / output.limit };
 }
 
+const SMALL_SHARE = 0.01;  // of the variance, from which a source is named
 const ALIKE = 1e-6;   // relative difference of quantities that count as equal
 
 /** A number without the last digits, which the rounding of doubles decides. */
@@ -228,10 +229,16 @@ function lastPlace(u) {
   return Number(roundAt(u, place)) >= 99.5 * 10 ** place ? place + 1 : place;
 }
 
-/** A number to the last of the two digits of its u; where it is long, with an exponent. */
-function likeUncertainty(value, u, resolution) {
+/**
+ * A number to the last of the two digits of its u; where it is long, with an exponent. Beside a limit with as
+ * many digits more as tell on which side of it it is.
+ */
+function likeUncertainty(value, u, resolution, limit = null) {
   if (u <= resolution) return fourDigits(value, resolution);
-  const place = lastPlace(u);
+  const side = (number) => Math.sign(settled(number) - settled(limit));
+  const first = lastPlace(u);
+  const place = limit === null ? first : [0, 1, 2, 3, 4].map((more) => first - more)
+    .find((each) => side(Number(roundAt(value, each))) === side(value)) ?? first;
   const text = roundAt(value, place);
   const size = Number(text) === 0 ? place : Math.floor(Math.log10(Math.abs(Number(text))));
   if (size >= -4 && size < 7) return signed(text);
@@ -383,7 +390,7 @@ function drawShares(model, shares, bar) {
   bar.replaceChildren();
   model.sources.forEach((source, g) => {
     if (shares[g] < 0.002) return;
-    const part = make("span", { title: `${source.title} ${shareOf(shares[g])}` });
+    const part = make("span", { title: `${source.title} ${shareOf(shares[g])}`, "data-source": source.name });
     part.style.width = `${100 * Math.min(shares[g], 1)}%`;
     const colour = model.colours[source.quantity];
     part.style.background = colour === "#000000" ? "var(--black)" : colour || "var(--muted)";
@@ -398,11 +405,12 @@ function verdictWords(model, result, base, label) {
     let missing = "";
     if (now.verdict === VERDICTS.undecidable && now.missing.length) missing = word(", as {missing} is not given", { missing: now.missing.join(word(", ")) });
     if (now.verdict === VERDICTS.meets_if) missing = word(", {conditions}", { conditions: now.conditions.join(word("; ")) });
-    const before = was.verdict === now.verdict && was.utilisation === now.utilisation
-      ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
+    const isMoved = was.verdict !== now.verdict || was.utilisation !== now.utilisation;
+    const before = !isMoved ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
     const sensor = `${now.title[0].toUpperCase()}${now.title.slice(1)}`;
     const used = `${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)}`;
     return {
+      isMoved,
       verdict: word("{sensor}: {verdict}", { sensor, verdict: word(now.verdict) }),
       rest: word("{missing}. {outputs} at {used} of its limit{before}.", { missing, outputs: joinOutputs(model, now.all), used, before }),
     };
@@ -503,9 +511,72 @@ function setUsed(cell, row, output) {
 
 // ---- page one --------------------------------------------------------------------------
 
-/** What shows changed outputs in the answer on page one, and null as it was; nothing where there is none. */
+/** What shows on page one what has become of its answer, and null as it was: headline, cards and table. */
 function makeAnswer(model, asItIs) {
-  return () => {};
+  const places = new Map(model.outputs.map(({ name }, k) => [name, k]));
+  const rows = [...document.querySelectorAll("#answer tr[data-outputs]")]
+    .map((row) => ({ row, own: row.dataset.outputs.split(" ").map((name) => places.get(name)).filter((k) => k !== undefined) }))
+    .filter(({ own }) => own.length);
+  const before = new Map();  // what stands in an element as long as nothing is changed
+  const put = (element, ...content) => {
+    if (!element) return;
+    if (!before.has(element)) before.set(element, { content: [...element.childNodes], classes: element.className });
+    element.replaceChildren(...content);
+  };
+  const mark = () => make("strong", { class: "changed-mark" }, word("CHANGED"));
+  return (result, words) => {
+    before.forEach(({ content, classes }, element) => {
+      element.replaceChildren(...content);
+      element.className = classes;
+    });
+    document.querySelector("#answer caption.changed-mark")?.remove();
+    if (!result) return;
+    const headline = document.querySelector(".verdict .word");
+    const said = words.map(({ verdict }) => verdict).join(word("; "));
+    if (headline) put(headline, mark(), " ", ...(said ? [said] : headline.childNodes));
+    const cards = document.querySelector(".verdict .cards");
+    if (cards && words.length) put(cards, ...words.map(({ verdict, rest, isMoved }) => make("div", {}, make("h3", {}, verdict, ...(isMoved ? [" ", mark()] : [])), make("p", {}, rest.replace(/^(\. |。)/, "")))));
+    if (rows.length) rows[0].row.closest("table").prepend(make("caption", { class: "changed-mark" }, word("CHANGED")));
+    rows.forEach(({ row, own }) => answerRow(model, asItIs, result, row, own, put));
+  };
+}
+
+/** Fill a row of page one in: of its outputs the one that uses most of its limit, or errs most. */
+function answerRow(model, asItIs, result, row, own, put) {
+  const worstOf = (outputs) => own.reduce((top, k) => {
+    const [best, next] = [outputs[top], outputs[k]].map(({ utilisation, largest }) => utilisation ?? largest);
+    return next > best * (1 + ALIKE) ? k : top;
+  });
+  const [was, k] = [worstOf(asItIs.outputs), worstOf(result.outputs)];
+  const output = model.outputs[k];
+  const now = result.outputs[k];
+  const cell = (role) => row.querySelector(`[data-role="${role}"]`);
+  const size = (one) => (output.limit === null && !output.is_timed ? one.expanded : one.largest);
+  const error = cell("u95");
+  // In the unit of the page: the number that it shows is that of the unchanged device.
+  const unit = error && Number(error.dataset.exact) > 0 && size(asItIs.outputs[was]) > 0
+    ? Number(error.dataset.exact) / size(asItIs.outputs[was]) : 1;
+  const text = likeUncertainty(unit * size(now), unit * now.u, unit * output.resolution, output.limit === null ? null : unit * output.limit);
+  const shown = (place, changed) => {
+    if (!place || place.textContent === changed) return;
+    const old = place.textContent;
+    put(place, changed, make("small", {}, word("was {old}", { old: old.trim() })));
+    place.classList.add("moved");
+  };
+  shown(error, bounded(text, now, output));
+  if (now.utilisation !== null) {
+    const used = cell("used");
+    shown(used, bounded(perCent(now.utilisation), now, output));
+    [error, used].filter((each) => each?.matches(".moved")).forEach((each) => each.classList.toggle("strong", settled(now.utilisation) > 1));
+  }
+  const shares = cell("shares");
+  if (!shares || result.outputs[k].shares.every((share, g) => share === asItIs.outputs[was].shares[g])) return;
+  const bar = make("span", { class: "parts", "aria-hidden": "true" });
+  drawShares(model, now.shares, bar);
+  const ranked = model.sources.map((source, g) => ({ source, share: now.shares[g] }))
+    .filter(({ share }) => share >= SMALL_SHARE).sort((a, b) => b.share - a.share).slice(0, 3)
+    .map(({ source, share }) => `${shortTitle(model, source, output)} ${shareOf(share)}`);
+  put(shares, bar, ranked.join(word(", ")));
 }
 
 // ---- what is changed: in words, as a file with its command, in the address, on paper ----
@@ -661,7 +732,7 @@ function makeBanner(reset) {
   };
 }
 
-const NO_SHARE = 1e-3;   // of the variance, below which a source changes nothing
+const NO_SHARE = 1e-3;  // of the variance, below which a source changes nothing
 
 /** Set up the sliders of one model in an empty place of the page. */
 function setUpWhatIf(place, model) {
@@ -700,7 +771,7 @@ function setUpWhatIf(place, model) {
     forget.hidden = !kept;
     const told = [changeWords(model, factors), kept && word("kept to compare: {changes}", { changes: changeWords(model, kept) || word("as it is") })];
     banner(told.filter(Boolean).join(word("; ")), words.map((own) => own.verdict));
-    answer(factors.some((factor) => factor !== 1) ? result : null);
+    answer(factors.some((factor) => factor !== 1) ? result : null, words);
   };
   /** Speak what has come of a change, and let Back undo it; a run of one control is one change. */
   const finish = (control) => {

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from budget.errors import UnitError
 from budget.inputs.records import CHANGED
 from budget.names import AIDING, MISSION
 from budget.report.blocks import Section, Sliders
@@ -21,6 +22,7 @@ from budget.report.tables import (
 )
 from budget.results import BY_LAW
 from budget.studies.request import sensors_of
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
@@ -80,6 +82,7 @@ def what_if_section(
         is_judged=is_judged,
         expanded=_expanded,
         down=print_two_down,
+        largest=largest_size,
         inf=inf,
     )
     sliders = Sliders(
@@ -141,6 +144,16 @@ def _without(sensor: Sensor, names: Collection[str]) -> Sensor:
     if not names:
         return sensor
     return sensor.with_lines(line for line in sensor.lines if line.name not in names)
+
+
+def largest_size(row: SourceSteps) -> str:
+    """Print the largest size that meets as the data sheet gives it, else as its u."""
+    most, source = row.most or 0.0, row.source
+    try:
+        now = parse_quantity(source.printed, source.unit)
+    except UnitError:  # one for each axis, or in words
+        return f"u {print_two_down(most * source.u / source.si_per_unit)} {source.unit}"
+    return f"{print_two_down(most * now.value / now.si_per_unit)} {now.unit}"
 
 
 def _expanded(row: SourceSteps, step: Step) -> Number:
