@@ -100,6 +100,7 @@ function endOf(output, mean, variance, bent) {
 }
 
 const SMALL_SHARE = 0.01;  // of the variance, from which a source is named
+const NO_SHARE = 1e-3;  // below which it changes nothing
 const ALIKE = 1e-6;   // relative difference of quantities that count as equal
 
 /** A number without the last digits, which the rounding of doubles decides. */
@@ -535,7 +536,10 @@ function makeAnswer(model, asItIs) {
     const said = words.map(({ verdict }) => verdict).join(word("; "));
     if (headline) put(headline, mark(), " ", ...(said ? [said] : headline.childNodes));
     const cards = document.querySelector(".verdict .cards");
-    if (cards && words.length) put(cards, ...words.map(({ verdict, rest, isMoved }) => make("div", {}, make("h3", {}, verdict, ...(isMoved ? [" ", mark()] : [])), make("p", {}, rest.replace(/^(\. |。)/, "")))));
+    if (cards && words.length) {
+      put(cards, ...words.map(({ verdict, rest, isMoved }) => make("div", {}, make("h3", {}, verdict, ...(isMoved ? [" ", mark()] : [])), make("p", {}, rest.replace(/^(\. |。)/, "")))));
+      cards.classList.add("follows");
+    }
     if (rows.length) rows[0].row.closest("table").prepend(make("caption", { class: "changed-mark" }, word("CHANGED")));
     rows.forEach(({ row, own }) => answerRow(model, asItIs, result, row, own, put));
   };
@@ -557,26 +561,32 @@ function answerRow(model, asItIs, result, row, own, put) {
   const unit = error && Number(error.dataset.exact) > 0 && size(asItIs.outputs[was]) > 0
     ? Number(error.dataset.exact) / size(asItIs.outputs[was]) : 1;
   const text = likeUncertainty(unit * size(now), unit * now.u, unit * output.resolution, output.limit === null ? null : unit * output.limit);
-  const shown = (place, changed) => {
-    if (!place || place.textContent === changed) return;
-    const old = place.textContent;
-    put(place, changed, make("small", {}, word("was {old}", { old: old.trim() })));
+  const show = (place, changed) => {
+    if (!place) return;
+    // Numbers of the page are filled up to the digits of their column; its unit may stand in the head.
+    const old = place.textContent.replace(/[\s\u2007\u2008]+/g, " ").trim();
+    const text = old.endsWith("%") ? changed : changed.replace(/ %$/, "");
+    if (text === old) return;
+    put(place, text, make("small", {}, word("was {old}", { old })));
     place.classList.add("moved");
   };
-  shown(error, bounded(text, now, output));
+  show(error, bounded(text, now, output));
   if (now.utilisation !== null) {
-    const used = cell("used");
-    shown(used, bounded(perCent(now.utilisation), now, output));
-    [error, used].filter((each) => each?.matches(".moved")).forEach((each) => each.classList.toggle("strong", settled(now.utilisation) > 1));
+    show(cell("used"), bounded(perCent(now.utilisation), now, output));
+    put(row.cells[0], ...row.cells[0].childNodes);
+    for (const each of row.cells) if (each.matches(".moved, th")) each.classList.toggle("strong", settled(now.utilisation) > 1);
   }
   const shares = cell("shares");
   if (!shares || result.outputs[k].shares.every((share, g) => share === asItIs.outputs[was].shares[g])) return;
   const bar = make("span", { class: "parts", "aria-hidden": "true" });
   drawShares(model, now.shares, bar);
   const ranked = model.sources.map((source, g) => ({ source, share: now.shares[g] }))
-    .filter(({ share }) => share >= SMALL_SHARE).sort((a, b) => b.share - a.share).slice(0, 3)
-    .map(({ source, share }) => `${shortTitle(model, source, output)} ${shareOf(share)}`);
-  put(shares, bar, ranked.join(word(", ")));
+    .filter(({ share }) => share >= SMALL_SHARE).sort((a, b) => b.share - a.share).slice(0, 3);
+  const rest = 1 - ranked.reduce((sum, { share }) => sum + share, 0);
+  put(shares, bar, [
+    ...ranked.map(({ source, share }) => `${shortTitle(model, source, output)} ${shareOf(share)}`),
+    ...(rest >= NO_SHARE ? [word("rest {rest}", { rest: shareOf(rest) })] : []),
+  ].join(word(", ")));
 }
 
 // ---- what is changed: in words, as a file with its command, in the address, on paper ----
@@ -731,8 +741,6 @@ function makeBanner(reset) {
     else root.style.removeProperty("--running-head");
   };
 }
-
-const NO_SHARE = 1e-3;  // of the variance, below which a source changes nothing
 
 /** Set up the sliders of one model in an empty place of the page. */
 function setUpWhatIf(place, model) {

@@ -85,14 +85,26 @@ def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
 
 
 def not_given_lines(
-    reach: Mapping[Name, tuple[Name, ...]], *, is_later: bool = False
+    reach: Mapping[Name, tuple[Name, ...]],
+    *,
+    is_later: bool = False,
+    gathered: bool = False,
 ) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
     `reach` has the outputs that each absent line would reach, from
-    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on.
+    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on; `gathered`:
+    whether any is reached, and by what use, is all that parts them.
     """
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
+    if gathered:
+        kinds: dict[tuple[str, bool], dict[str, list[str]]] = {}
+        for name, outputs in reach.items():
+            use = USE_OF.get(name.quantity, "") if is_later and not outputs else ""
+            if outputs or use:
+                own = kinds.setdefault((name.owner, bool(outputs)), {})
+                own.setdefault(use, []).append(name.quantity)
+        return lines("words", "not_given_gathered", kinds=kinds)
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
         use = USE_OF.get(name.quantity, "") if is_later and not reached else ""

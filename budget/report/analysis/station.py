@@ -69,6 +69,11 @@ def station_section(
         if one.source.owner in SHARED:
             reason = (one.removed, "" if one.removed else one.needs)
             reasons.setdefault(reason, []).append(one.source)
+    slight = [
+        name
+        for name, source in sources.items()
+        if source.varies and max(_by_group(groups, [name])) < LEAST_SAID
+    ]
     (section,) = sections(
         "analysis/station",
         budget=budget,
@@ -93,6 +98,7 @@ def station_section(
         reasons=[(*reason, names) for reason, names in reasons.items()],
         acts_on=lambda name: _acts_on(budget, name),
         by_group=lambda names: _by_group(groups, names),
+        slight=slight if len(slight) > 1 else [],
         used_part=used_part,
         SENSORS=SENSORS,
         INTERACTION=INTERACTION,

@@ -147,13 +147,13 @@ def _without(sensor: Sensor, names: Collection[str]) -> Sensor:
 
 
 def largest_size(row: SourceSteps) -> str:
-    """Print the largest size that meets as the data sheet gives it, else as its u."""
-    most, source = row.most or 0.0, row.source
+    """Print the largest size that meets as the data sheet gives it, '' in words."""
     try:
-        now = parse_quantity(source.printed, source.unit)
-    except UnitError:  # one for each axis, or in words
-        return f"u {print_two_down(most * source.u / source.si_per_unit)} {source.unit}"
-    return f"{print_two_down(most * now.value / now.si_per_unit)} {now.unit}"
+        now = parse_quantity(row.source.printed, row.source.unit)
+    except UnitError:  # one for each axis
+        return ""
+    most = (row.most or 0.0) * now.value / now.si_per_unit
+    return f"{print_two_down(most)} {now.unit}"
 
 
 def _expanded(row: SourceSteps, step: Step) -> Number:
