@@ -381,8 +381,8 @@ function soughtWords(model, source, found, result) {
   if (factor === Infinity) return word("any value meets, up to {size} {unit}", { size: trimmed((model.most * given.size).toPrecision(4)), unit: given.unit });
   const size = { size: twoDown(factor * given.size), unit: given.unit, factor: twoDown(factor) };
   const own = result.sensors.filter(({ name }) => source.decides.includes(name));
-  const not = own.find(({ verdict }) => ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
-  return not ? word("limits are kept up to {size} {unit} (× {factor}), verdict there: {verdict}", { ...size, verdict: word(not.verdict) })
+  const now = own.find(({ verdict }) => ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
+  return now ? word("limits are kept up to {size} {unit} (× {factor}), verdict there: {verdict}", { ...size, verdict: word(now.verdict) })
     : word("meets up to {size} {unit} (× {factor})", size);
 }
 
@@ -521,14 +521,15 @@ function makeAnswer(model, asItIs) {
   const before = new Map();  // what stands in an element as long as nothing is changed
   const put = (element, ...content) => {
     if (!element) return;
-    if (!before.has(element)) before.set(element, { content: [...element.childNodes], classes: element.className });
+    if (!before.has(element)) before.set(element, { content: [...element.childNodes], classes: element.getAttribute("class") });
     element.replaceChildren(...content);
   };
   const mark = () => make("strong", { class: "changed-mark" }, word("CHANGED"));
   return (result, words) => {
     before.forEach(({ content, classes }, element) => {
       element.replaceChildren(...content);
-      element.className = classes;
+      if (classes === null) element.removeAttribute("class");
+      else element.className = classes;
     });
     document.querySelector("#answer caption.changed-mark")?.remove();
     if (!result) return;
