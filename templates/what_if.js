@@ -313,19 +313,18 @@ function givenAs(source) {
 /** A row of a source: its name, a slider, a field with its size, and what asks for the largest that meets. */
 function makeControl(model, source, { change, finish, start, ask }) {
   const given = givenAs(source);
-  const named = { source: source.title, unit: given.unit };
   const slider = make("input", {
     type: "range", min: LOWEST, max: HIGHEST, step: 1,
-    "aria-label": word("{source}, times its present size", named),
+    "aria-label": word("{source}, times its present size", { source: source.title }),
   });
   const field = make("input", {
     type: "text", inputmode: "decimal", autocomplete: "off",
-    "aria-label": given.isPrinted ? word("{source}, specification value in {unit}", named)
-      : word("{source}, standard uncertainty in {unit}", named),
+    "aria-label": given.isPrinted ? word("{source}, specification value in {unit}", { source: source.title, unit: given.unit })
+      : word("{source}, standard uncertainty in {unit}", { source: source.title, unit: given.unit }),
   });
   const times = make("span", { class: "times" });
   const sought = make("output", { class: "sought" });
-  const button = make("button", { type: "button", "aria-label": word("What meets? {source}", named) }, word("What meets?"));
+  const button = make("button", { type: "button", "aria-label": word("What meets? {source}", { source: source.title }) }, word("What meets?"));
   const isAsked = model.outputs.some(({ limit, sensor }) => limit !== null && source.decides.includes(sensor));
   const printed = make("small", {}, source.printed ? word("given as {printed}", { printed: source.printed }) : "");
   const sizeOf = (factor) => (factor === 1 && given.isPrinted ? String(given.size) : trimmed((factor * given.size).toPrecision(4)));
@@ -370,20 +369,20 @@ function makeControl(model, source, { change, finish, start, ask }) {
 
 /** Say up to what size of a source everything that it decides meets, or why nothing does. */
 function soughtWords(model, source, found, result) {
-  const given = givenAs(source);
-  const { factor } = found;
-  if (factor === null && found.saturated.length) return word("no value meets: the mission asks for more than the sensor reads");
-  if (factor === null) {
-    return word("no value meets: without it {outputs} exceed their limits, mainly by {sources}", {
-      outputs: joinOutputs(model, found.others), sources: found.causes.map((g) => model.sources[g].title).join(word(", ")),
-    });
+  const { factor, saturated, others, causes } = found;
+  const { size, unit } = givenAs(source);
+  if (saturated?.length) return word("no value meets: the mission asks for more than the sensor reads");
+  if (others) {
+    const outputs = joinOutputs(model, others);
+    const sources = causes.map((g) => model.sources[g].title).join(word(", "));
+    return word("no value meets: without it {outputs} exceed their limits, mainly by {sources}", { outputs, sources });
   }
-  if (factor === Infinity) return word("any value meets, up to {size} {unit}", { size: trimmed((model.most * given.size).toPrecision(4)), unit: given.unit });
-  const size = { size: twoDown(factor * given.size), unit: given.unit, factor: twoDown(factor) };
-  const own = result.sensors.filter(({ name }) => source.decides.includes(name));
-  const now = own.find(({ verdict }) => ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
-  return now ? word("limits are kept up to {size} {unit} (× {factor}), verdict there: {verdict}", { ...size, verdict: word(now.verdict) })
-    : word("meets up to {size} {unit} (× {factor})", size);
+  if (factor === Infinity) return word("any value meets, up to {most} {unit}", { most: trimmed((model.most * size).toPrecision(4)), unit });
+  const [largest, times] = [twoDown(factor * size), twoDown(factor)];
+  const now = result.sensors.find(({ name, verdict }) =>
+    source.decides.includes(name) && ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
+  return now ? word("limits are kept up to {largest} {unit} (× {times}), verdict there: {verdict}", { largest, unit, times, verdict: word(now.verdict) })
+    : word("meets up to {largest} {unit} (× {times})", { largest, unit, times });
 }
 
 /** Bars of all shares of one output, in the colours that the figures have. */
