@@ -30,6 +30,7 @@ __all__ = [
     "error_reference",
     "mode_remark",
     "mode_sentence",
+    "not_given_gathered",
     "not_given_lines",
     "outcome_words",
     "parted",
@@ -85,32 +86,35 @@ def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
 
 
 def not_given_lines(
-    reach: Mapping[Name, tuple[Name, ...]],
-    *,
-    is_later: bool = False,
-    gathered: bool = False,
+    reach: Mapping[Name, tuple[Name, ...]], *, is_later: bool = False
 ) -> tuple[str, ...]:
     """Say which lines are absent and what they could change, by sensor and effect.
 
     `reach` has the outputs that each absent line would reach, from
-    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on; `gathered`:
-    whether any is reached, and by what use, is all that parts them.
+    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on.
     """
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
-    if gathered:
-        kinds: dict[tuple[str, bool], dict[str, list[str]]] = {}
-        for name, outputs in reach.items():
-            use = USE_OF.get(name.quantity, "") if is_later and not outputs else ""
-            if outputs or use:
-                own = kinds.setdefault((name.owner, bool(outputs)), {})
-                own.setdefault(use, []).append(name.quantity)
-        return lines("words", "not_given_gathered", kinds=kinds)
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
         use = USE_OF.get(name.quantity, "") if is_later and not reached else ""
         effect = (name.owner, tuple(one for one in NAMED if one in reached), use)
         absent.setdefault(effect, []).append(name.quantity)
     return lines("words", "not_given", absent=absent)
+
+
+def not_given_gathered(
+    reach: Mapping[Name, tuple[Name, ...]], *, is_later: bool = False, most: int = 0
+) -> tuple[str, ...]:
+    """Say as not_given_lines, a line a sensor, the first names of `most` and more."""
+    widening: dict[str, list[str]] = {}
+    by_use: dict[str, str] = {}
+    for name, outputs in reach.items():
+        if outputs:
+            widening.setdefault(name.owner, []).append(name.quantity)
+        elif is_later and name.quantity in USE_OF:
+            by_use[name.quantity] = USE_OF[name.quantity]
+    view = {"widening": widening, "by_use": by_use, "most": most}
+    return lines("words", "not_given_gathered", **view)
 
 
 def parted(text: str) -> tuple[str, str]:

@@ -40,7 +40,7 @@ from budget.report.inputs import (
 from budget.report.pages import document, line
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import SMALL_SHARE, group_tables, print_coverage
-from budget.report.wording import not_given_lines, parted
+from budget.report.wording import not_given_gathered, parted
 from budget.studies.evidence import in_doubt
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
@@ -58,6 +58,9 @@ if TYPE_CHECKING:
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence
+
+
+NAMES = 4  # of a sensor that are not given, on page one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +120,7 @@ def report_document(
     judged = judged_by(budget, carried)
     budgets = [budget, *([carried] if carried else [])]
     own = procedure if judged is budget else analysis_of(judged).procedure
-    counting = _counting(budgets)
+    counting, brief = _counting(budgets), _missing(budgets, NAMES)
     made = {
         "filled": filled_sections(budget),
         "limits": assessment and limits_section(budget, assessment, full=full),
@@ -126,7 +129,7 @@ def report_document(
         "inputs": inputs_section(
             devices,
             procedure,
-            absent=_missing(budgets),
+            absent=() if (whole := _missing(budgets)) == brief else whole,
             assumed=[
                 text for text in budget.assumptions if text not in counting[:MOST]
             ],
@@ -137,7 +140,7 @@ def report_document(
         "budget": budget_section(groups, procedure, assessment, full=full),
         "matrices": matrices_sections(budget),
         "station": station_section(
-            budget, groups, procedure, assessment, evidence.unfelt
+            budget, groups, procedure, assessment, evidence.unfelt, full=full
         ),
         "studies": chain(*(extra.sections for extra in extras)),
         "method": method_section(
@@ -171,7 +174,7 @@ def report_document(
         rows=answer_rows(budget, groups, assessment, carried),
         coverage=print_coverage(judged.settings.coverage),
         mends=mends(rows, assessment),
-        absent=_missing(budgets, gathered=True),
+        absent=brief,
         counting=counting,
         parted=_assumed,
         MOST=MOST,
@@ -262,14 +265,14 @@ def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
     )
 
 
-def _missing(own: Sequence[Budget], *, gathered: bool = False) -> tuple[str, ...]:
+def _missing(own: Sequence[Budget], most: int = 0) -> tuple[str, ...]:
     """Say what is not given, and what it could change on one budget or the other."""
     reach = {
         name: tuple(output for one in own for output in one.could_widen.get(name, ()))
         for name in dict.fromkeys(name for one in own for name in one.could_widen)
     }
     is_later = any(one.settings.reference == "next_turn_on" for one in own)
-    return not_given_lines(reach, is_later=is_later, gathered=gathered)
+    return not_given_gathered(reach, is_later=is_later, most=most)
 
 
 def _assumed(text: str) -> tuple[str, str]:
