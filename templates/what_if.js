@@ -190,11 +190,11 @@ function seek(model, factors, g) {
   return { factor: low };
 }
 
-/** Two digits, rounded down: of the most that will do, as print_two_down of budget/report/tables.py. */
-function twoDown(value) {
-  if (!(value > 0)) return "0";
-  const step = 10 ** (Math.floor(Math.log10(settled(value))) - 1);
-  return String(Number((Math.floor(settled(value / step)) * step).toPrecision(4)));
+/** A number with so many digits, rounded down: of the most that will do, as print_two_down of budget/report/tables.py. */
+function roundDown(value, digits = 2) {
+  if (!(value > 0)) return 0;
+  const step = 10 ** (Math.floor(Math.log10(settled(value))) + 1 - digits);
+  return Number((Math.floor(settled(value / step)) * step).toPrecision(digits));
 }
 
 /** A number to four significant digits, as people write it. */
@@ -375,10 +375,10 @@ function soughtWords(model, source, found, result) {
   if (others) {
     const outputs = joinOutputs(model, others);
     const sources = causes.map((g) => model.sources[g].title).join(word(", "));
-    return word("no value meets: without it {outputs} exceed their limits, mainly by {sources}", { outputs, sources });
+    return word("no value meets: beyond the limit without it are {outputs}, mainly by {sources}", { outputs, sources });
   }
   if (factor === Infinity) return word("any value meets, up to {most} {unit}", { most: trimmed((model.most * size).toPrecision(4)), unit });
-  const [largest, times] = [twoDown(factor * size), twoDown(factor)];
+  const [largest, times] = [roundDown(factor * size), roundDown(factor)].map(String);
   const now = result.sensors.find(({ name, verdict }) =>
     source.decides.includes(name) && ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
   return now ? word("limits are kept up to {largest} {unit} (× {times}), verdict there: {verdict}", { largest, unit, times, verdict: word(now.verdict) })
@@ -824,7 +824,9 @@ function setUpWhatIf(place, model) {
     start: () => { run = null; },
     ask: () => {
       const found = seek(model, factors, g);
-      if (Number.isFinite(found.factor)) factors[g] = found.factor;
+      // To a size that the field shows, on this side of the limit.
+      const { size } = givenAs(source);
+      if (Number.isFinite(found.factor)) factors[g] = roundDown(found.factor * size, 4) / size;
       refresh((h, result) => (h === g ? soughtWords(model, source, found, result) : ""));
       finish(null);
     },
