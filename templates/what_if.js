@@ -5,7 +5,6 @@
 
 const LOWEST = -41;   // place of a slider at which its source is left out
 const HIGHEST = 40;   // at which it is ten times as large; 0 is as it is
-const MOST = 1e6;     // times its present size, up to where the law is looked at
 const DECIMAL = /^\+?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 // What the scripts say in the language of the page; none are there in English.
@@ -67,21 +66,24 @@ function addUp({ first, second, pairs }, k, squares, place) {
 
 /** The budget with every source multiplied: a row for each output, a line a sensor. */
 function evaluate(model, factors) {
+  const outputs = model.outputs.map((_, k) => evaluateOutput(model, factors, k));
+  return { outputs, sensors: judge(model, outputs, factors.some((factor) => factor !== 1)) };
+}
+
+/** One output with every source multiplied. */
+function evaluateOutput(model, factors, k) {
   const squares = factors.map((factor) => factor * factor);
   const place = new Map(model.sources.map((source, g) => [source.name, g]));
-  const outputs = model.outputs.map((output, k) => {
-    const mean = squares.reduce((sum, square, g) => sum + square * model.mean[g][k], output.value);
-    const { alone, all: variance } = addUp(model, k, squares, place);
-    const bent = output.length === null ? null : model.ellipse.map((part) => addUp(part, output.length, squares, place).all);
-    const { u, expanded, utilisation } = endOf(output, mean, variance, bent);
-    const [more, ...turned] = output.added;
-    const atTop = endOf(output, mean, variance + more, bent && bent.map((part, i) => part + turned[i])).utilisation;
-    return {
-      mean, u, expanded, utilisation, atTop,
-      shares: alone.map((part) => (variance > 0 ? part / variance : 0)),
-    };
-  });
-  return { outputs, sensors: judge(model, outputs, factors.some((factor) => factor !== 1)) };
+  const output = model.outputs[k];
+  const mean = squares.reduce((sum, square, g) => sum + square * model.mean[g][k], output.value);
+  const { alone, all: variance } = addUp(model, k, squares, place);
+  const bent = output.length === null ? null : model.ellipse.map((part) => addUp(part, output.length, squares, place).all);
+  const [more, ...turned] = output.added;
+  const atTop = endOf(output, mean, variance + more, bent && bent.map((part, i) => part + turned[i])).utilisation;
+  return {
+    mean, ...endOf(output, mean, variance, bent), atTop,
+    shares: alone.map((part) => (variance > 0 ? part / variance : 0)),
+  };
 }
 
 /** The interval of an output and the part of its limit, from its variance and, of a length, D/2 and W. */
@@ -94,9 +96,11 @@ function endOf(output, mean, variance, bent) {
   }
   const middle = mean + output.shift * u;
   const largest = Math.max(Math.abs(middle - expanded), Math.abs(middle + expanded));
-  return { u, expanded, utilisation: output.limit === null ? null : largest / output.limit };
+  return { u, expanded, largest, utilisation: output.limit === null ? null : largest / output.limit };
 }
 
+const SMALL_SHARE = 0.01;  // of the variance, from which a source is named
+const NO_SHARE = 1e-3;  // below which it changes nothing
 const ALIKE = 1e-6;   // relative difference of quantities that count as equal
 
 /** A number without the last digits, which the rounding of doubles decides. */
@@ -113,8 +117,11 @@ function joinOutputs(model, places) {
     if (isTimed) titles.push(title);
     else groups.set(group, [...(groups.get(group) || []), axis]);
   }
-  return [...[...groups].map(([group, axes]) =>
-    `${group} ${axes.length === 6 ? word("(every axis)") : axes.join(word(", "))}`), ...titles].join(word("; "));
+  return [...[...groups].map(([group, axes]) => `${group} ${axesOf(axes)}`), ...titles].join(word("; "));
+}
+
+function axesOf(axes) {
+  return axes.length === 6 ? word("(every axis)") : axes.join(word(", "));
 }
 
 const VERDICTS = {
@@ -148,11 +155,46 @@ function judge(model, rows, isChanged) {
     const verdict = (isOwn && VERDICTS[sensor.verdict])
       || VERDICTS[verdictOf(sensor, utilisation, Math.max(...own.map((k) => rows[k].atTop)))];
     verdicts.push({
-      title: sensor.title, worst, all, utilisation, verdict,
+      name: sensor.name, title: sensor.title, worst, all, utilisation, verdict,
       missing: sensor.missing, conditions: sensor.conditions,
     });
   }
   return verdicts;
+}
+
+/**
+ * Up to what factor on one source, the others as they are, all limits that it decides are kept:
+ * one_at_a_time of budget/studies/what_if.py. Infinity where any up to the most will do; null where
+ * none does, with the outputs that the others take beyond their limits.
+ */
+function seek(model, factors, g) {
+  const { decides } = model.sources[g];
+  const judged = model.outputs.map((_, k) => k).filter((k) =>
+    model.outputs[k].limit !== null && decides.includes(model.outputs[k].sensor));
+  const at = (factor) => factors.map((own, h) => (h === g ? factor : own));
+  const beyond = (factor) => judged.filter((k) =>
+    !(settled(evaluateOutput(model, at(factor), k).utilisation) <= 1));
+  const saturated = model.sensors.filter(({ name, saturates }) => saturates && decides.includes(name));
+  const others = beyond(0);
+  if (saturated.length || others.length) {
+    const shares = others.map((k) => evaluateOutput(model, at(0), k).shares);
+    return { factor: null, saturated, others, causes: [...new Set(shares.map((own) => own.indexOf(Math.max(...own))))] };
+  }
+  if (!beyond(model.most).length) return { factor: Infinity };
+  let [low, high] = [0, model.most];
+  for (let i = 0; i < 200 && settled(low) !== settled(high); i++) {
+    const middle = low > 0 ? Math.sqrt(low * high) : high / 1024;
+    if (beyond(middle).length) high = middle;
+    else low = middle;
+  }
+  return { factor: low };
+}
+
+/** A number with so many digits, rounded down: of the most that will do, as print_two_down of budget/report/tables.py. */
+function roundDown(value, digits = 2) {
+  if (!(value > 0)) return 0;
+  const step = 10 ** (Math.floor(Math.log10(settled(value))) + 1 - digits);
+  return Number((Math.floor(settled(value / step)) * step).toPrecision(digits));
 }
 
 /** A number to four significant digits, as people write it. */
@@ -188,10 +230,16 @@ function lastPlace(u) {
   return Number(roundAt(u, place)) >= 99.5 * 10 ** place ? place + 1 : place;
 }
 
-/** A number to the last of the two digits of its u; where it is long, with an exponent. */
-function likeUncertainty(value, u, resolution) {
+/**
+ * A number to the last of the two digits of its u; where it is long, with an exponent. Beside a limit with as
+ * many digits more as tell on which side of it it is.
+ */
+function likeUncertainty(value, u, resolution, limit = null) {
   if (u <= resolution) return fourDigits(value, resolution);
-  const place = lastPlace(u);
+  const side = (number) => Math.sign(settled(number) - settled(limit));
+  const first = lastPlace(u);
+  const place = limit === null ? first : [0, 1, 2, 3, 4].map((more) => first - more)
+    .find((each) => side(Number(roundAt(value, each))) === side(value)) ?? first;
   const text = roundAt(value, place);
   const size = Number(text) === 0 ? place : Math.floor(Math.log10(Math.abs(Number(text))));
   if (size >= -4 && size < 7) return signed(text);
@@ -245,55 +293,96 @@ function make(tag, attributes = {}, ...content) {
 
 /** A factor in words. */
 function sizeWords(factor) {
-  return factor === 1 ? word("as it is") : `× ${fourDigits(factor)}`;
+  return factor === 1 ? word("as it is") : `× ${trimmed(fourDigits(factor))}`;
 }
 
-/** A row of a source: its name, a slider, a field with its standard uncertainty. */
-function makeControl(source, change) {
+/** A decimal without the zeros at its end. */
+function trimmed(text) {
+  return text.replace(/(\.\d*?)0+(?=e|$)/, "$1").replace(/\.(?=e|$)/, "");
+}
+
+// What a file gives as one number: the maker's words beside it stay as they are.
+const ONE_NUMBER = /^(\d+\.?\d*(?:e[-+]?\d+)?)( [^\d,;:]+)$/i;
+
+/** The size that a source is shown and typed in: as the data sheet has it, else its standard uncertainty. */
+function givenAs(source) {
+  const [, size, unit] = ONE_NUMBER.exec(source.printed) || [];
+  return unit ? { size: Number(size), unit: unit.trim(), isPrinted: true } : { size: source.u, unit: source.unit };
+}
+
+/** A row of a source: its name, a slider, a field with its size, and what asks for the largest that meets. */
+function makeControl(model, source, { change, finish, start, ask }) {
+  const given = givenAs(source);
   const slider = make("input", {
     type: "range", min: LOWEST, max: HIGHEST, step: 1,
     "aria-label": word("{source}, times its present size", { source: source.title }),
   });
   const field = make("input", {
     type: "text", inputmode: "decimal", autocomplete: "off",
-    "aria-label": word("{source}, standard uncertainty in {unit}", { source: source.title, unit: source.unit }),
+    "aria-label": given.isPrinted ? word("{source}, specification value in {unit}", { source: source.title, unit: given.unit })
+      : word("{source}, standard uncertainty in {unit}", { source: source.title, unit: given.unit }),
   });
   const times = make("span", { class: "times" });
+  const sought = make("output", { class: "sought" });
+  const button = make("button", { type: "button", "aria-label": word("What meets? {source}", { source: source.title }) }, word("What meets?"));
+  const isAsked = model.outputs.some(({ limit, sensor }) => limit !== null && source.decides.includes(sensor));
   const printed = make("small", {}, source.printed ? word("given as {printed}", { printed: source.printed }) : "");
-  const sizeOf = (factor) => (factor * source.u).toPrecision(4).replace(/\.?0+(e|$)/, "$1");
+  const sizeOf = (factor) => (factor === 1 && given.isPrinted ? String(given.size) : trimmed((factor * given.size).toPrecision(4)));
   let present = 1;
-  const show = (factor, kept = 1) => {
+  const show = (factor, kept = 1, said = "") => {
     present = factor;
     slider.value = placeOf(factor);
     field.value = sizeOf(factor);
     field.removeAttribute("aria-invalid");
     times.textContent = sizeWords(factor) + (kept === 1 ? "" : word("; kept: {size}", { size: sizeWords(kept) }));
-    slider.setAttribute("aria-valuetext", [times.textContent, `${field.value} ${source.unit}`].join(word(", ")));
+    slider.setAttribute("aria-valuetext", [times.textContent, `${field.value} ${given.unit}`].join(word(", ")));
+    sought.textContent = said;
     row.classList.toggle("changed", factor !== 1);
   };
-  slider.addEventListener("input", () => {
-    const factor = factorAt(Number(slider.value));
-    change(factor);
-  });
+  slider.addEventListener("input", () => change(factorAt(Number(slider.value))));
+  slider.addEventListener("change", finish);
+  slider.addEventListener("pointerdown", start);
+  slider.addEventListener("blur", start);
+  button.addEventListener("click", ask);
   field.addEventListener("change", () => {
     const text = field.value.trim().replace(",", ".").replace("\u2212", "-");
     // What stands in the field is rounded: typed again it is the size that it shows.
-    const typed = DECIMAL.test(text) ? Number(text) / source.u : NaN;
+    const typed = DECIMAL.test(text) ? Number(text) / given.size : NaN;
     const factor = [present, 1].find((own) => Number(sizeOf(own)) === Number(text)) ?? typed;
-    if (!(typed >= 0 && factor <= MOST)) {
+    if (!(typed >= 0 && factor <= model.most)) {
       field.setAttribute("aria-invalid", "true");
-      times.textContent = typed > MOST
-        ? word("expected {most} at the most, a million times its size", { most: sizeOf(MOST) })
+      times.textContent = typed > model.most
+        ? word("expected {most} at the most, a million times its size", { most: sizeOf(model.most) })
         : word("expected a number from 0 on");
       return;
     }
+    start();
     change(factor);
+    finish();
   });
   const row = make("div", { class: "control" },
     make("div", { class: "name" }, source.title, printed), slider,
-    make("div", { class: "size" }, field, make("span", { class: "unit" }, source.unit)),
-    times);
+    make("div", { class: "size" }, field, make("span", { class: "unit" }, given.isPrinted ? given.unit : `${given.unit} (u)`)),
+    make("div", { class: "effect" }, times, ...(isAsked ? [button] : [])), sought);
   return { row, show };
+}
+
+/** Say up to what size of a source everything that it decides meets, or why nothing does. */
+function soughtWords(model, source, found, result) {
+  const { factor, saturated, others, causes } = found;
+  const { size, unit } = givenAs(source);
+  if (saturated?.length) return word("no value meets: the mission asks for more than the sensor reads");
+  if (others) {
+    const outputs = joinOutputs(model, others);
+    const sources = causes.map((g) => model.sources[g].title).join(word(", "));
+    return word("no value meets: beyond the limit without it are {outputs}, mainly by {sources}", { outputs, sources });
+  }
+  if (factor === Infinity) return word("any value meets, up to {most} {unit}", { most: trimmed((model.most * size).toPrecision(4)), unit });
+  const [largest, times] = [roundDown(factor * size), roundDown(factor)].map(String);
+  const now = result.sensors.find(({ name, verdict }) =>
+    source.decides.includes(name) && ![VERDICTS.meets, VERDICTS.meets_if].includes(verdict));
+  return now ? word("limits are kept up to {largest} {unit} (× {times}), verdict there: {verdict}", { largest, unit, times, verdict: word(now.verdict) })
+    : word("meets up to {largest} {unit} (× {times})", { largest, unit, times });
 }
 
 /** Bars of all shares of one output, in the colours that the figures have. */
@@ -301,7 +390,7 @@ function drawShares(model, shares, bar) {
   bar.replaceChildren();
   model.sources.forEach((source, g) => {
     if (shares[g] < 0.002) return;
-    const part = make("span", { title: `${source.title} ${shareOf(shares[g])}` });
+    const part = make("span", { title: `${source.title} ${shareOf(shares[g])}`, "data-source": source.name });
     part.style.width = `${100 * Math.min(shares[g], 1)}%`;
     const colour = model.colours[source.quantity];
     part.style.background = colour === "#000000" ? "var(--black)" : colour || "var(--muted)";
@@ -309,22 +398,23 @@ function drawShares(model, shares, bar) {
   });
 }
 
-/** Say the verdict on each sensor, which output decides it, and what it was before. */
-function sayVerdict(model, result, base, label, place) {
-  place.replaceChildren(...result.sensors.map((now, i) => {
+/** Say the verdict on each sensor, which output decides it, and what it was before: a sentence of parts each. */
+function verdictWords(model, result, base, label) {
+  return result.sensors.map((now, i) => {
     const was = base.sensors[i];
     let missing = "";
     if (now.verdict === VERDICTS.undecidable && now.missing.length) missing = word(", as {missing} is not given", { missing: now.missing.join(word(", ")) });
     if (now.verdict === VERDICTS.meets_if) missing = word(", {conditions}", { conditions: now.conditions.join(word("; ")) });
-    const before = was.verdict === now.verdict && was.utilisation === now.utilisation
-      ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
+    const isMoved = was.verdict !== now.verdict || was.utilisation !== now.utilisation;
+    const before = !isMoved ? "" : word("; {label}: {verdict}, {used}", { label, verdict: word(was.verdict), used: perCent(was.utilisation) });
     const sensor = `${now.title[0].toUpperCase()}${now.title.slice(1)}`;
     const used = `${now.missing.length ? "\u2265\u00a0" : ""}${perCent(now.utilisation)}`;
-    return make("p", {},
-      make("strong", {}, word("{sensor}: {verdict}", { sensor, verdict: word(now.verdict) })),
-      word("{missing}. {outputs} at {used} of its limit{before}.", { missing, outputs: joinOutputs(model, now.all), used, before }));
-  }));
-  if (!result.sensors.length) place.append(make("p", {}, word("No requirement: U of every output, as it is and changed.")));
+    return {
+      isMoved,
+      verdict: word("{sensor}: {verdict}", { sensor, verdict: word(now.verdict) }),
+      rest: word("{missing}. {outputs} at {used} of its limit{before}.", { missing, outputs: joinOutputs(model, now.all), used, before }),
+    };
+  });
 }
 
 /** A table of all outputs before and after, and the function that fills it in. */
@@ -339,14 +429,12 @@ function makeResults(model) {
   ];
   const table = make("table", { "aria-label": word("Outputs with the sources changed") },
     make("thead", {}, make("tr", {}, ...heads)));
-  let body = null;
-  let group = null;
-  const rows = model.outputs.map((output, k) => {
-    if (output.group !== group) {
-      group = output.group;
-      body = make("tbody", {}, make("tr", { class: "group" },
-        make("th", { colspan: heads.length, scope: "rowgroup" }, `${output.group} [${output.unit}]`)));
-      table.append(body);
+  const bodies = new Map();
+  const rows = model.outputs.map((output) => {
+    const title = `${output.group} [${output.unit}]`;
+    if (!bodies.has(title)) {
+      bodies.set(title, make("tbody", {}, make("tr", { class: "group" },
+        make("th", { colspan: heads.length, scope: "rowgroup" }, title))));
     }
     const number = (name) => make("td", { class: "number", "data-cell": name });
     const cells = {
@@ -357,13 +445,27 @@ function makeResults(model) {
     const limits = limited ? [cells.usedBefore, cells.used, cells.word] : [];
     const row = make("tr", { "data-output": output.name }, make("th", { scope: "row" }, output.axis),
       cells.before, cells.expanded, cells.mean, ...limits, make("td", {}, cells.bar), cells.largest);
-    body.append(row);
+    bodies.get(title).append(row);
     return { row, cells };
   });
+  table.append(...bodies.values());
   const update = (result, base, label) => {
     before.expanded.textContent = word("U {label}", { label });
     before.used.textContent = word("of limit {label}", { label });
     result.outputs.forEach((now, k) => fill(now, base, k));
+    joinAlike();
+  };
+  /** Axes of a group that read the same stand in one row. */
+  const joinAlike = () => {
+    const first = new Map();
+    rows.forEach(({ row }, k) => {
+      const { group, is_timed: isTimed } = model.outputs[k];
+      const text = [group, isTimed ? k : "", ...[...row.cells].slice(1).map((cell) => cell.textContent)].join("\n");
+      row.hidden = first.has(text);
+      if (!row.hidden) first.set(text, []);
+      first.get(text).push(k);
+    });
+    for (const places of first.values()) rows[places[0]].row.cells[0].textContent = axesOf(places.map((k) => model.outputs[k].axis));
   };
   const fill = (now, base, k) => {
     const { row, cells } = rows[k];
@@ -381,7 +483,7 @@ function makeResults(model) {
     const most = Math.max(...now.shares) * (1 - ALIKE);
     const largest = now.shares.findIndex((share) => share >= most);
     cells.largest.textContent = now.shares[largest] > 0
-      ? `${shortTitle(model, model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest])}` : word("no spread");
+      ? `${shortTitle(model, model.sources[largest], model.outputs[k])} ${shareOf(now.shares[largest]).replace(" ", "\u00a0")}` : word("no spread");
   };
   return { table, update };
 }
@@ -407,6 +509,86 @@ function setUsed(cell, row, output) {
   else set(cell, bounded(perCent(row.utilisation), row, output), row.utilisation);
 }
 
+// ---- page one --------------------------------------------------------------------------
+
+/** What shows on page one what has become of its answer, and null as it was: headline, cards and table. */
+function makeAnswer(model, asItIs) {
+  const places = new Map(model.outputs.map(({ name }, k) => [name, k]));
+  const rows = [...document.querySelectorAll("#answer tr[data-outputs]")]
+    .map((row) => ({ row, own: row.dataset.outputs.split(" ").map((name) => places.get(name)).filter((k) => k !== undefined) }))
+    .filter(({ own }) => own.length);
+  const before = new Map();  // what stands in an element as long as nothing is changed
+  const put = (element, ...content) => {
+    if (!element) return;
+    if (!before.has(element)) before.set(element, { content: [...element.childNodes], classes: element.getAttribute("class") });
+    element.replaceChildren(...content);
+  };
+  const mark = () => make("strong", { class: "changed-mark" }, word("CHANGED"));
+  return (result, words) => {
+    before.forEach(({ content, classes }, element) => {
+      element.replaceChildren(...content);
+      if (classes === null) element.removeAttribute("class");
+      else element.className = classes;
+    });
+    document.querySelector("#answer caption.changed-mark")?.remove();
+    if (!result) return;
+    const headline = document.querySelector(".verdict .word");
+    const said = words.map(({ verdict }) => verdict).join(word("; "));
+    if (headline) put(headline, mark(), " ", ...(said ? [said] : headline.childNodes));
+    const cards = document.querySelector(".verdict .cards");
+    if (cards && words.length) {
+      put(cards, ...words.map(({ verdict, rest, isMoved }) => make("div", {}, make("h3", {}, verdict, ...(isMoved ? [" ", mark()] : [])), make("p", {}, rest.replace(/^(\. |。)/, "")))));
+      cards.classList.add("follows");
+    }
+    if (rows.length) rows[0].row.closest("table").prepend(make("caption", { class: "changed-mark" }, word("CHANGED")));
+    rows.forEach(({ row, own }) => answerRow(model, asItIs, result, row, own, put));
+  };
+}
+
+/** Fill a row of page one in: of its outputs the one that uses most of its limit, or errs most. */
+function answerRow(model, asItIs, result, row, own, put) {
+  const worstOf = (outputs) => own.reduce((top, k) => {
+    const [best, next] = [outputs[top], outputs[k]].map(({ utilisation, largest }) => utilisation ?? largest);
+    return next > best * (1 + ALIKE) ? k : top;
+  });
+  const [was, k] = [worstOf(asItIs.outputs), worstOf(result.outputs)];
+  const output = model.outputs[k];
+  const now = result.outputs[k];
+  const cell = (role) => row.querySelector(`[data-role="${role}"]`);
+  const size = (one) => (output.limit === null && !output.is_timed ? one.expanded : one.largest);
+  const error = cell("u95");
+  // In the unit of the page: the number that it shows is that of the unchanged device.
+  const unit = error && Number(error.dataset.exact) > 0 && size(asItIs.outputs[was]) > 0
+    ? Number(error.dataset.exact) / size(asItIs.outputs[was]) : 1;
+  const text = likeUncertainty(unit * size(now), unit * now.u, unit * output.resolution, output.limit === null ? null : unit * output.limit);
+  const show = (place, changed) => {
+    if (!place) return;
+    // Numbers of the page are filled up to the digits of their column; its unit may stand in the head.
+    const old = place.textContent.replace(/[\s\u2007\u2008]+/g, " ").trim();
+    const text = old.endsWith("%") ? changed : changed.replace(/ %$/, "");
+    if (text === old) return;
+    put(place, text, make("small", {}, word("was {old}", { old })));
+    place.classList.add("moved");
+  };
+  show(error, bounded(text, now, output));
+  if (now.utilisation !== null) {
+    show(cell("used"), bounded(perCent(now.utilisation), now, output));
+    put(row.cells[0], ...row.cells[0].childNodes);
+    for (const each of row.cells) if (each.matches(".moved, th")) each.classList.toggle("strong", settled(now.utilisation) > 1);
+  }
+  const shares = cell("shares");
+  if (!shares || result.outputs[k].shares.every((share, g) => share === asItIs.outputs[was].shares[g])) return;
+  const bar = make("span", { class: "parts", "aria-hidden": "true" });
+  drawShares(model, now.shares, bar);
+  const ranked = model.sources.map((source, g) => ({ source, share: now.shares[g] }))
+    .filter(({ share }) => share >= SMALL_SHARE).sort((a, b) => b.share - a.share).slice(0, 3);
+  const rest = 1 - ranked.reduce((sum, { share }) => sum + share, 0);
+  put(shares, bar, [
+    ...ranked.map(({ source, share }) => `${shortTitle(model, source, output)} ${shareOf(share)}`),
+    ...(rest >= NO_SHARE ? [word("rest {rest}", { rest: shareOf(rest) })] : []),
+  ].join(word(", ")));
+}
+
 // ---- what is changed: in words, as a file with its command, in the address, on paper ----
 
 /** Each source that is changed, with its factor. */
@@ -426,8 +608,6 @@ function written(value) {
   return String(settled(value));
 }
 
-// What a file gives as one number: the maker's words beside it stay as they are.
-const ONE_NUMBER = /^(\d+\.?\d*(?:e[-+]?\d+)?)( [^\d,;:]+)$/i;
 const MARK = "\u0002";  // on both sides of a size; no text of a device can hold it
 
 /** The device file with the lines of changed sources multiplied, and what is not in it. */
@@ -525,7 +705,7 @@ function fromAddress(model, text) {
     const g = place.get(isKept ? key.slice("kept.".length) : key);
     if (g === undefined) return refuse(word("{key} is no source of this report", { key: quote(key) }));
     if (seen.has(key)) return refuse(word("{key} stands there twice", { key: quote(key) }));
-    if (!DECIMAL.test(value) || !(Number(value) <= MOST)) {
+    if (!DECIMAL.test(value) || !(Number(value) <= model.most)) {
       return refuse(word("{key} is {value}, expected a number from 0 to a million, times its size",
         { key: quote(key), value: quote(value) }));
     }
@@ -537,88 +717,140 @@ function fromAddress(model, text) {
 
 const TITLE = document.title;
 
-/** Say on every printed page that this is not the report, while anything is changed. */
-function stampPage(said) {
+/** What says on the screen and on every printed page that this is not the report, while anything is changed. */
+function makeBanner(reset) {
   const root = document.documentElement;
-  const isChanged = said !== "";
-  let stamp = document.querySelector(".stamp");
-  if (!stamp) {
-    stamp = make("div", { class: "stamp" }, make("strong", { "aria-hidden": "true" }, word("CHANGED")), make("p"));
-    document.body.prepend(stamp);
-  }
-  stamp.querySelector("p").textContent = isChanged
-    ? word("CHANGED by what-if, not the report that was issued: {said}.", { said }) : "";
-  root.classList.toggle("altered", isChanged);
-  document.title = isChanged ? word("CHANGED {title}", { title: TITLE }) : TITLE;
-  if (isChanged) root.style.setProperty("--running-head", JSON.stringify(word("CHANGED by what-if, not the report that was issued")));
-  else root.style.removeProperty("--running-head");
+  const verdicts = make("p", { class: "verdicts" });
+  const said = make("p");
+  const button = make("button", { type: "button" }, word("Reset"));
+  button.addEventListener("click", reset);
+  const banner = make("div", { class: "stamp" },
+    make("strong", { "aria-hidden": "true" }, word("CHANGED")), make("div", {}, verdicts, said), button);
+  document.body.prepend(banner);
+  // What sticks below it, and where links lead to, is that much lower.
+  const measure = () => root.style.setProperty("--banner", `${banner.offsetHeight}px`);
+  new ResizeObserver(measure).observe(banner);
+  return (changes, words) => {
+    const isChanged = changes !== "";
+    said.textContent = isChanged ? word("CHANGED by what-if, not the report that was issued: {said}.", { said: changes }) : "";
+    verdicts.textContent = isChanged ? words.join(word("; ")) : "";
+    root.classList.toggle("altered", isChanged);
+    measure();
+    document.title = isChanged ? word("CHANGED {title}", { title: TITLE }) : TITLE;
+    if (isChanged) root.style.setProperty("--running-head", JSON.stringify(word("CHANGED by what-if, not the report that was issued")));
+    else root.style.removeProperty("--running-head");
+  };
 }
 
 /** Set up the sliders of one model in an empty place of the page. */
 function setUpWhatIf(place, model) {
   const present = model.sources.map(() => 1);
+  const asItIs = evaluate(model, present);
   let factors = [...present];
   let kept = null;
-  const verdict = make("div", { class: "outlook", role: "status", "aria-live": "polite" });
+  let run = null;  // what the newest entry of the history is still changed by
+  const verdict = make("div", { class: "outlook" });
+  const spoken = make("p", { class: "unseen", role: "status", "aria-live": "polite" });
   const wrong = make("p", { class: "wrong", role: "alert" });
   const results = makeResults(model);
   const handOut = model.device || model.command ? makeHandOut(model) : null;
-  const button = (text, act) => {
+  const act = (change) => () => { change(); refresh(); finish(null); };
+  const button = (text, change) => {
     const made = make("button", { type: "button" }, text);
-    made.addEventListener("click", () => { act(); refresh(); note(); });
+    made.addEventListener("click", act(change));
     return made;
   };
+  const clear = () => { factors = [...present]; kept = null; };
   const keep = button(word("Keep to compare"), () => { kept = factors.every((factor) => factor === 1) ? null : [...factors]; });
   const forget = button(word("Forget what is kept"), () => { kept = null; keep.focus(); });
-  const reset = button(word("Reset all"), () => { factors = [...present]; kept = null; });
-  const refresh = () => {
+  const reset = button(word("Reset all"), clear);
+  const banner = makeBanner(act(() => { clear(); document.querySelector("main").focus({ preventScroll: true }); }));
+  const answer = makeAnswer(model, asItIs);
+  const refresh = (sought = () => "") => {
     const label = kept ? word("kept") : word("as it is");
-    const base = evaluate(model, kept || present);
+    const base = kept ? evaluate(model, kept) : asItIs;
     const result = evaluate(model, factors);
-    controls.forEach((control, g) => control.show(factors[g], kept ? kept[g] : 1));
-    sayVerdict(model, result, base, label, verdict);
+    const words = verdictWords(model, result, base, label);
+    controls.forEach((control, g) => control.show(factors[g], kept ? kept[g] : 1, sought(g, result)));
+    verdict.replaceChildren(...words.map(({ verdict: own, rest }) => make("p", {}, make("strong", {}, own), rest)));
+    if (!words.length) verdict.append(make("p", {}, word("No requirement: U of every output, as it is and changed.")));
     results.update(result, base, label);
     handOut?.update(factors);
     forget.hidden = !kept;
     const told = [changeWords(model, factors), kept && word("kept to compare: {changes}", { changes: changeWords(model, kept) || word("as it is") })];
-    stampPage(told.filter(Boolean).join(word("; ")));
+    banner(told.filter(Boolean).join(word("; ")), words.map((own) => own.verdict));
+    answer(factors.some((factor) => factor !== 1) ? result : null, words);
   };
-  const note = () => {
+  /** Speak what has come of a change, and let Back undo it; a run of one control is one change. */
+  const finish = (control) => {
+    const said = verdict.textContent;
+    if (spoken.textContent !== said) spoken.textContent = said;
+    note(control !== null && control === run);
+    run = control;
+  };
+  const note = (isSame) => {
     wrong.textContent = "";
+    const address = toAddress(model, factors, kept) || (location.hash.startsWith(ADDRESS) ? "#what-if" : location.hash);
+    if (address === location.hash) return;
     try {
-      history.replaceState(null, "", toAddress(model, factors, kept) || "#what-if");
+      history[isSame ? "replaceState" : "pushState"]({ own: true }, "", address);
     } catch { /* a preview that has no address */ }
   };
   const restore = () => {
+    run = null;
+    const isOwn = history.state?.own;
     if (!location.hash.startsWith(ADDRESS)) {
-      // A link within the page was followed: the address says again what is shown.
-      if (toAddress(model, factors, kept)) note();
+      // Back at what was not changed, or a link within the page was followed: its address says again what is shown.
+      if (isOwn) { clear(); refresh(); } else note(true);
+      own();
       return;
     }
     const found = fromAddress(model, location.hash.slice(ADDRESS.length));
     wrong.textContent = found.wrong || "";
     ({ factors, kept } = found.wrong ? { factors: [...present], kept: null } : found);
     refresh();
-    place.parentElement.scrollIntoView();
+    own();
+    if (!isOwn) place.parentElement.scrollIntoView();
   };
-  const controls = model.sources.map((source, g) => makeControl(source, (factor) => {
-    factors[g] = factor;
-    refresh();
-    note();
+  /** Mark an entry of the history as one whose address says what is changed. */
+  const own = () => {
+    try {
+      history.replaceState({ own: true }, "");
+    } catch { /* as above */ }
+  };
+  const controls = model.sources.map((source, g) => makeControl(model, source, {
+    change: (factor) => { factors[g] = factor; refresh(); },
+    finish: () => finish(g),
+    start: () => { run = null; },
+    ask: () => {
+      const found = seek(model, factors, g);
+      // To a size that the field shows, on this side of the limit.
+      const { size } = givenAs(source);
+      if (Number.isFinite(found.factor)) factors[g] = roundDown(found.factor * size, 4) / size;
+      refresh((h, result) => (h === g ? soughtWords(model, source, found, result) : ""));
+      finish(null);
+    },
   }));
+  const [moving, still] = [true, false].map((moves) => controls.filter((_, g) =>
+    moves === asItIs.outputs.some(({ shares }) => settled(shares[g]) >= NO_SHARE)).map(({ row }) => row));
+  const folded = make("details", {},
+    make("summary", {}, word("{n} more, each below 0.1 % of every variance", { n: still.length })), ...still);
   place.append(
     wrong,
     verdict,
+    spoken,
     make("div", { class: "controls" },
       make("p", { class: "small" },
-        word("Each slider runs from 0 at the far left over a tenth to ten times the present size; the field takes a standard uncertainty. "),
+        word("Each slider runs from 0 at the far left over a tenth to ten times the present size; the field takes the value as the data sheet gives it. "),
         word("The address of the page keeps the changes. ")),
       make("p", { class: "buttons" }, keep, " ", forget, " ", reset),
-      ...controls.map((control) => control.row),
+      ...moving,
+      ...(still.length ? [folded] : []),
       ...(handOut ? [handOut.place] : [])),
     make("div", { class: "results scroll", tabindex: 0, role: "group", "aria-label": word("Outputs with the sources changed") }, results.table));
   place.hidden = false;
   refresh();
   restore();
+  folded.open = still.some((row) => row.classList.contains("changed"));
   window.addEventListener("hashchange", restore);
 }

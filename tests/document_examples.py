@@ -291,6 +291,7 @@ def make_model():
     """Return what sliders compute from: one source, one output."""
     return {
         "coverage": 0.95,
+        "most": 1e6,
         "sensors": [
             {
                 "name": "gyro",
@@ -312,6 +313,7 @@ def make_model():
                 "u": 0.05,
                 "unit": "deg/h",
                 "printed": "0.05 deg/h",
+                "decides": ["gyro", "mission"],
             },
             {
                 "name": "gyro.bias_stability",
@@ -321,6 +323,7 @@ def make_model():
                 "u": 0.04,
                 "unit": "deg/h",
                 "printed": "0.04 deg/h",
+                "decides": ["gyro", "mission"],
             },
         ],
         "outputs": [

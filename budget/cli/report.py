@@ -168,7 +168,11 @@ def report(
             )
         loaded, bare = analysis_of(budget).devices, loaded
         evidence = gather_evidence(
-            analysis_of(budget), budget, budget.assessment, full=full
+            analysis_of(budget),
+            budget,
+            budget.assessment,
+            carried=carried,
+            full=full,
         )
         with speaking(language):
             extras = (

@@ -274,7 +274,7 @@ class Equations:
 
 @dataclass(frozen=True, kw_only=True)
 class Sliders:
-    """What one source more or less would do: a table; in HTML, sliders above it."""
+    """What one specification would do: a table; in HTML, sliders above it."""
 
     # What the page computes from, as JSON: `budget.studies.what_if`.
     model: Mapping[str, object] = field(repr=False)

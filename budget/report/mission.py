@@ -29,6 +29,7 @@ from budget.ties import from_largest
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from budget.problem import Output
     from budget.report.blocks import Block
     from budget.report.tables import Unit
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
@@ -114,6 +115,21 @@ def units_of(moments: Iterable[AtTime]) -> dict[str, Unit]:
     """Return the units of errors that are read in one, the same at these times."""
     return {
         like: unit_for_all(like, [at.largest(like) for at in moments]) for like in UNITS
+    }
+
+
+def outputs_at_end(budget: Budget) -> dict[Name, Output]:
+    """Return the outputs in the units that those alike are read in at the end."""
+    largest: dict[str, float] = {}
+    for row in by_time(budget)[-1].rows:
+        largest[_like(row)] = max(largest.get(_like(row), 0.0), row.largest_error)
+    units = {like: unit_for(like, size) for like, size in largest.items()}
+    return {
+        row.output.name: replace(row.output, unit=unit, si_per_unit=scale)
+        for row in budget.outputs
+        for unit, scale in [
+            units.get(_like(row), (row.output.unit, row.output.si_per_unit))
+        ]
     }
 
 

@@ -36,9 +36,10 @@ def gather_evidence(
     budget: Budget,
     assessment: Assessment | None = None,
     *,
+    carried: Budget | None = None,
     full: bool = True,
 ) -> Evidence:
-    """Compute what a report shows beside a budget, and beside its assessment.
+    """Compute what a report shows beside a budget, its assessment and its mission.
 
     In `full` all; else distributions only where the law is not confirmed.
     """
@@ -51,7 +52,7 @@ def gather_evidence(
         densities=critical_densities(analysis, budget, assessment)
         if full or in_doubt(budget)
         else (),
-        what_if=what_if(analysis, budget=budget),
+        what_if=what_if(analysis, budget=budget, carried=carried),
         unfelt=unfelt(analysis),
     )
 

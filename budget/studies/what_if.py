@@ -19,8 +19,8 @@ A verdict is as in budget.studies.verdicts. With every line that is not given at
 ceiling u^2 is larger by what these add, which no factor moves: beyond a limit then, it
 is undecidable. At factors of 1 it is the verdict of the budget.
 
-Outputs of a mission that have limits stand beside those of the calibration, of the
-same sources. k of a length goes with its ellipse, and so with the factors.
+Outputs of a mission stand beside those of the calibration, of the same sources. k of a
+length goes with its ellipse, and so with the factors.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from budget.names import IMU, MISSION, Name
 from budget.results import BY_LAW
 from budget.sentences import sentence
 from budget.studies.conformity import margins
-from budget.studies.request import given_lines, limited_but_held
+from budget.studies.request import analysis_of, given_lines, limited_but_held
 from budget.studies.verdicts import (
     FAILS,
     MEETS,
@@ -70,6 +70,7 @@ if TYPE_CHECKING:
     from budget.studies.verdicts import Case, Margin
 
 
+LARGEST = 1e6  # factor up to which it is asked what will do [1]
 # Over a utilisation: of limits that are kept one by one nobody knows here whether all
 # are kept together; one that is not kept is not kept together [1].
 JOINTLY = (1.0, 1e300)
@@ -85,8 +86,10 @@ JOINTLY = (1.0, 1e300)
     u / unit: present standard uncertainty
     unit
     printed: as the file gives it
+    decides (list[str]): sensors whose verdicts are held against it
     """,
     title=lambda source: key_title(source.name),
+    decides=lambda source: list(source.decides),
 )
 @dataclass(frozen=True, kw_only=True)
 class WhatIfSource:
@@ -97,6 +100,8 @@ class WhatIfSource:
     unit: str  # as the device file gives it
     si_per_unit: float
     printed: str  # the value as the file gives it
+    # Its sensor, or that of the output where its share is largest, and the mission.
+    decides: tuple[str, ...] = ()
 
 
 @written(
@@ -225,6 +230,7 @@ written(
     "what_if",
     """
     coverage [1]: of the intervals
+    most [1]: factor up to which it is asked what will do
     sensors
     sources
     outputs = each
@@ -233,6 +239,7 @@ written(
     ellipse = law_in_units.ellipse as what_if_law: D/2 and W in the place of the
       variance, of lengths alone
     """,
+    most=lambda _: LARGEST,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WhatIf(Documented):
@@ -417,19 +424,48 @@ def _verdict(sensor: WhatIfSensor, used: float, at_top: float) -> str:
     return MEETS_IF if given == MEETS and sensor.conditions else given
 
 
-def what_if(analysis: Analysis, *, budget: Budget | None = None) -> WhatIf:
+def what_if(
+    analysis: Analysis, *, budget: Budget | None = None, carried: Budget | None = None
+) -> WhatIf:
     """Set up the budget of devices as a function of their sources.
 
     With a budget of the same analysis its intervals and verdicts are those at factors
     of 1; without one it is the budget by the law alone. Limits are those of the
-    analysis, also those on its mission.
+    analysis, also those on its mission; what else is known on that is of the budget
+    carried there.
     """
     found, required = _what_if(analysis, budget), analysis.requirement
     is_carried = analysis.mission is not None and analysis.journey is None
-    if is_carried and required is not None and MISSION in required.kinds:
+    if carried is not None:
+        found = _beside(found, _what_if(analysis_of(carried), carried))
+    elif is_carried and required is not None and MISSION in required.kinds:
         found = _beside(found, _what_if(analysis.alone(MISSION), budget))
     assessment = None if budget is None else budget.assessment
-    return _judged(found, analysis, assessment)
+    return _deciding(_judged(found, analysis, assessment))
+
+
+def _deciding(found: WhatIf) -> WhatIf:
+    """Say of each source what its size decides."""
+    share = found.evaluate({}).share
+    sources = []
+    for g, source in enumerate(found.sources):
+        owner = source.name.owner
+        widest = found.outputs[_widest(found, share[:, g])].name.owner
+        own = owner if owner in SENSORS and widest != IMU else widest
+        sources.append(replace(source, decides=(own, MISSION)))
+    return replace(found, sources=tuple(sources))
+
+
+def _widest(found: WhatIf, share: Array) -> int:
+    """Return the output of which a source has the largest share, shape (n_out,).
+
+    One of the calibration where it reaches any; outputs of a mission are the last.
+    """
+    own = [
+        part if one.name.owner != MISSION else 0.0
+        for part, one in zip(share.tolist(), found.outputs, strict=True)
+    ]
+    return first_largest(own if any(own) else share.tolist())
 
 
 def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) -> WhatIf:
@@ -641,7 +677,6 @@ def _source(name: Name, line: ErrorLine) -> WhatIfSource:
 
 
 FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]
-LARGEST = 1e3  # factor up to which it is asked what will do [1]
 
 
 @written(
@@ -699,27 +734,17 @@ class SourceSteps(Documented):
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
-    """Change one source after another, each to nothing, half and twice its size.
-
-    Of the calibration; what changes nothing but its mission has no row.
-    """
+    """Change one source after another, each to nothing, half and twice its size."""
     present = what_if.evaluate({})
-    is_found = np.array([one.name.owner != MISSION for one in what_if.outputs])
     rows = []
     for g, source in enumerate(what_if.sources):
-        share = present.share[is_found, g]
-        if present.share[:, g].any() and not share.any():
-            continue
-        k = first_largest(share.tolist())  # outputs of a mission are the last
-        output = what_if.outputs[k]
-        owner = source.name.owner
-        own = owner in SENSORS and output.name.owner != IMU
-        judged = (owner if own else output.name.owner, MISSION)
+        k = _widest(what_if, present.share[:, g])
+        judged = source.decides
         outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(
                 source=source,
-                output=output,
+                output=what_if.outputs[k],
                 share=float(present.share[k, g]),
                 lower_bound=what_if.lower_bound[k],
                 used_lower_bound=_is_used_lower_bound(what_if, judged),
@@ -744,6 +769,9 @@ def _most(what_if: WhatIf, source: Name, judged: Sequence[str]) -> float | None:
         outlook = what_if.evaluate({source: factor})
         used = [one.utilisation for one in outlook.sensors if one.sensor in judged]
         return settle(max(used) - 1.0) if used else 1.0
+
+    if any(one.saturates for one in what_if.sensors if one.name in judged):
+        return None
 
     if beyond(0.0) > 0.0:
         return None

@@ -24,9 +24,22 @@ from test_language import left_in
 from budget import analyze, load_device, load_requirement
 from budget.language import LANGUAGES, speaking, template
 from budget.methods.radius import radius_of
-from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
-from budget.report.blocks import Section, Sliders
-from budget.report.tables import print_utilisation
+from budget.report.analysis.what_if import (
+    AnalyzeAgain,
+    largest_size,
+    what_if_section,
+)
+from budget.report.blocks import (
+    Cell,
+    Column,
+    RowGroup,
+    Section,
+    Share,
+    Shares,
+    Sliders,
+    Table,
+)
+from budget.report.tables import print_two_down, print_utilisation, round_error
 from budget.report.wording import VERDICTS
 from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
@@ -165,7 +178,7 @@ def test_field_takes_the_standard_uncertainty(browser, path):
     names = [output.name for output in model.outputs]
     k = names.index("gyro.bias.x")
     with opened(browser, path) as (page, _):
-        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
+        field = page.get_by_label("gyro bias repeatability, specification value")
         field.fill("0,123")
         field.press("Enter")
         field.blur()
@@ -179,8 +192,8 @@ def test_field_refuses_what_is_no_size(browser, path):
     """A word or a negative number changes nothing and says what is expected."""
     with opened(browser, path) as (page, _):
         before = read(page, "expanded")
-        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
-        for text in ("much", "-1", "", "0x10", "1 2", "Infinity", "1e-"):
+        field = page.get_by_label("gyro bias repeatability, specification value")
+        for text in ("much", "-1", "", "0x10", "1 2", "Infinity", "NaN", "1e-"):
             field.fill(text)
             field.blur()
             assert field.get_attribute("aria-invalid") == "true"
@@ -192,10 +205,12 @@ def test_field_takes_a_size_that_the_law_can_be_asked_of(browser, path):
     """1e76 is refused in words; a retyped original changes nothing, as does 0x10."""
     with opened(browser, path) as (page, record):
         before, said = read(page, "expanded"), page.locator(".outlook").inner_text()
-        field = page.get_by_label("gyro bias repeatability, standard uncertainty")
+        field = page.get_by_label("gyro bias repeatability, specification value")
         original = field.input_value()
-        field.fill("1e76")
-        field.blur()
+        for text in ("1e999", "1e76"):
+            field.fill(text)
+            field.blur()
+            assert field.get_attribute("aria-invalid") == "true"
         assert page.get_by_text("a million times its size").is_visible()
         assert page.locator(".outlook").inner_text() == said
         field.fill(f"+{original}")
@@ -344,6 +359,85 @@ def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
         assert "No requirement" in page.locator(".outlook").inner_text()
         assert not [head for head in heads if "limit" in head]
         assert record.complaints == []
+
+
+def test_sources_that_change_nothing_are_folded(browser, path):
+    """Below 0.1 % of every variance a slider is behind a line that says how many."""
+    model = law()
+    small = (model.evaluate({}).share < 1e-3).all(axis=0)
+    with opened(browser, path) as (page, _):
+        folded = page.locator(".controls details .control")
+        assert folded.count() == small.sum() > 0
+        assert not folded.first.is_visible()
+        page.get_by_text(f"{small.sum()} more, each below 0.1 %").click()
+        assert folded.first.is_visible()
+        page.goto("about:blank")
+        name = model.sources[int(small.argmax())].name
+        page.goto(f"{path.as_uri()}#what-if?{name}=2")
+        assert page.locator(".control.changed").is_visible()
+
+
+# ---- what the largest size is that meets ---------------------------------------------
+
+
+@pytest.mark.parametrize("grade", ["tactical-grade", "navigation-grade", "mission"])
+def test_page_finds_the_largest_size_that_the_table_has(browser, path, grade):
+    """It is the number of Python for every source: some size, any, or none."""
+    if grade == "mission":
+        model = what_if(carried().analysis, budget=carried())
+    else:
+        wanted = load_requirement(grade)
+        model = what_if(Analysis.of(device(), requirement=wanted))
+    rows = {row.source.name: row.most for row in one_at_a_time(model)}
+    with opened(browser, path) as (page, record):
+        found = page.evaluate(
+            "(m) => m.sources.map((_, g) => seek(m, m.sources.map(() => 1), g).factor)",
+            model.to_dict(),
+        )
+
+    assert record.complaints == []
+    assert len(rows) == len(found) > 0
+    for source, factor in zip(model.sources, found, strict=True):
+        if rows[source.name] is None:
+            assert factor is None
+        else:
+            # Twelve digits of what is used are fewer of a source that adds little.
+            assert_allclose(factor, rows[source.name], rtol=1e-6)
+
+
+def test_button_sets_the_slider_to_what_meets(browser, path):
+    """Size and factor are those of the table, and there all of the limit is used."""
+    source = "gyro.scale_factor_repeatability"
+    row = next(r for r in one_at_a_time(law()) if r.source.name == source)
+    words = source.replace(".", " ").replace("_", " ")
+    with opened(browser, path) as (page, record):
+        page.get_by_role("button", name=f"What meets? {words}").click()
+        said = page.locator(".control.changed .sought").inner_text()
+        verdict = page.locator(".outlook").inner_text()
+        size = (
+            f"{largest_size(row)} (\N{MULTIPLICATION SIGN} {print_two_down(row.most)})"
+        )
+        assert said == f"meets up to {size}"
+        used = read(page, "used")["gyro.scale_factor.x"][1]
+        assert "Gyro: MEETS IF" in verdict
+        assert 0.999 < used <= 1.0
+        assert f"#what-if?{source}=" in page.url
+        move(page, source, ["ArrowRight"])
+        assert "Gyro: FAILS" in page.locator(".outlook").inner_text()
+        assert page.locator(".sought").all_inner_texts().count("") == len(law().sources)
+    assert record.complaints == []
+
+
+def test_where_nothing_meets_the_page_says_what_is_in_the_way(browser, tmp_path):
+    """The slider stays, and output and source that exceed the limit are named."""
+    model = what_if(
+        Analysis.of(device(), requirement=load_requirement("navigation-grade"))
+    )
+    with opened(browser, page_with(tmp_path, model.to_dict())) as (page, _):
+        page.get_by_role("button", name="What meets? gyro bias stability").click()
+        said = " ".join(page.locator(".sought").all_inner_texts())
+        assert page.locator(".control.changed").count() == 0
+    assert_says(said, "no value meets", "beyond the limit without it", "mainly")
 
 
 # ---- limits on a mission -------------------------------------------------------------
@@ -537,6 +631,63 @@ def test_link_within_the_page_leaves_the_changes_in_the_address(browser, changea
     assert record.complaints == []
 
 
+def sizes(page):
+    """Return what the fields of all sources show."""
+    return page.locator(".size input").evaluate_all("(all) => all.map((e) => e.value)")
+
+
+def test_back_undoes_a_change(browser, changeable):
+    """A run of keys on one slider is one change; Forward does it again."""
+    with opened(browser, changeable) as (page, record):
+        page.goto("about:blank")
+        page.goto(changeable.as_uri())
+        shown = [sizes(page)]
+        for line in ("bias_stability", "scale_factor_repeatability"):
+            move(page, f"gyro.{line}", ["ArrowRight"] * 5)
+            shown.append(sizes(page))
+        page.get_by_role("button", name="Reset all").click()
+        shown.append(sizes(page))
+        walked = []
+        for step in ("back", "back", "back", "forward", "forward"):
+            page.evaluate(f"history.{step}()")
+            page.wait_for_timeout(150)
+            walked.append(sizes(page))
+            assert (page.locator(".altered").count() == 1) == (walked[-1] != shown[0])
+        assert walked == [shown[k] for k in (2, 1, 0, 1, 2)]
+    assert shown[0] == shown[3]
+    assert len({*map(tuple, shown)}) == 3
+    assert record.complaints == []
+
+
+def test_verdict_is_spoken_when_a_change_is_finished(browser, path):
+    """Not on every tick of a drag."""
+    with opened(browser, path) as (page, _):
+        spoken = page.locator(".what-if [aria-live=polite]")
+        slider = page.get_by_label("gyro scale factor repeatability, times its")
+        before = spoken.inner_text()
+        for value in ("20", "40"):
+            slider.evaluate(
+                "(e, v) => { e.value = v; e.dispatchEvent(new Event('input')); }", value
+            )
+        assert "Gyro: FAILS" in page.locator(".outlook").inner_text()
+        assert spoken.inner_text() == before
+        slider.dispatch_event("change")
+        assert "Gyro: FAILS" in spoken.inner_text()
+
+
+def test_what_is_touched_is_large_enough_on_a_phone(browser, changeable):
+    """Targets are 24 px high at the least and nothing is wider than the screen."""
+    with opened(browser, changeable, width=400) as (page, _):
+        move(page, "gyro.bias_stability", ["End"])
+        for one in page.locator(
+            ":is(.what-if, .stamp) :is(button, input, summary)"
+        ).all():
+            if one.is_visible():
+                box = one.bounding_box()
+                assert min(box["height"], box["width"]) >= 24
+        assert page.evaluate("document.documentElement.scrollWidth") == 400
+
+
 NO_CHANGES = (
     ("gyro.bias_drift=2", '"gyro.bias_drift" is no source of this report'),
     ("<img src=x onerror=alert(1)>=1", "is no source"),
@@ -586,9 +737,89 @@ def test_page_with_a_slider_moved_is_not_printed_as_the_report(
             assert page.title().startswith("CHANGED") == (act == "End")
     plain, changed, back = sheets
     assert all("CHANGEDbywhat-if,notthereport" in sheet for sheet in changed)
-    assert "gyrobiasstability×10.00" in changed[0]  # noqa: RUF001 - as it is printed
+    assert "gyrobiasstability×10" in changed[0]  # noqa: RUF001 - as it is printed
     assert "CHANGED" not in "".join(plain)
     assert back == plain
+
+
+# ---- page one ------------------------------------------------------------------------
+
+
+def answered(folder):
+    """Write a page with an answer on page one: two groups, one of them limited."""
+    model = law()
+    outlook = model.evaluate({})
+    columns = (
+        Column(head="error"),
+        *(Column(head=role, kind="number", role=role) for role in ("u95", "used")),
+        Column(head="shares", role="shares"),
+    )
+    rows = []
+    for group in ("gyro.bias", "accelerometer.bias"):
+        names = tuple(f"{group}.{axis}" for axis in "xyz")
+        k = [one.name for one in model.outputs].index(names[0])
+        end = abs(outlook.interval[k]).max()
+        error = round_error(end, outlook.u[k], model.outputs[k], limit=model.limit[k])
+        part = Share(name=SOURCES[0], text="all", share=1.0, colour="#000000")
+        rows.append(
+            (
+                Cell(text=group),
+                Cell(text=error.text, exact=error.exact),
+                Cell(text=print_utilisation(outlook.utilisation[k])),
+                Cell(text="all", shares=Shares(outputs=names, parts=(part,))),
+            )
+        )
+    table = Table(
+        name="answer",
+        caption="Answer",
+        columns=columns,
+        groups=(RowGroup(rows=tuple(rows)),),
+    )
+    sliders = Sliders(model=model.to_dict(), table=make_table("changes"))
+    sections = (
+        Section(name="first", title="A", blocks=(table,), on_first_page=True),
+        Section(name="w", title="W", blocks=(sliders,)),
+    )
+    return written(folder, example(sections=sections))
+
+
+def test_page_one_follows_the_sliders(browser, tmp_path):
+    """Headline and table have the changed numbers and say so; Reset brings all back."""
+    source = SOURCES[0]
+    model = law()
+    outlook = model.evaluate({source: 0.1})
+    k = [one.name for one in model.outputs].index("gyro.bias.x")
+    with opened(browser, answered(tmp_path)) as (page, record):
+        of_page_one = "() => [...document.querySelectorAll('.verdict, #answer')]"
+        before = page.evaluate(f"{of_page_one}.map((e) => e.outerHTML)")
+        move(page, source, ["Home", "ArrowRight"])
+        row = page.locator("#answer tr[data-outputs]").first
+        error = row.locator("[data-role=u95]").inner_text().split()
+        used = row.locator("[data-role=used]").inner_text().split("was")[0].strip()
+        parts = row.locator(".parts > span")
+        largest = parts.evaluate_all(
+            "(all) => all.sort((a, b) => b.offsetWidth - a.offsetWidth)[0]"
+            ".dataset.source"
+        )
+        headline = page.locator(".verdict .word").inner_text()
+        marks = page.locator("#answer caption").all_inner_texts()
+        still = page.locator("#answer tr[data-outputs]").nth(1).inner_text()
+        banner = page.locator(".stamp")
+        assert banner.is_visible()
+        assert_says(banner.inner_text(), "Gyro: MEETS", "gyro bias repeatability")
+        page.get_by_role("button", name="Reset", exact=True).click()
+        assert not banner.is_visible()
+        after = page.evaluate(f"{of_page_one}.map((e) => e.outerHTML)")
+
+    truth = abs(outlook.interval[k]).max() / model.outputs[k].si_per_unit
+    assert record.complaints == []
+    assert_allclose(as_number(error[0]), truth, rtol=0.05)
+    assert used == print_utilisation(outlook.utilisation[k])
+    assert largest == model.sources[int(outlook.share[k].argmax())].name != source
+    assert headline.startswith("CHANGED")
+    assert marks == ["CHANGED"]
+    assert "was" not in still
+    assert after == before
 
 
 # ---- in another language -------------------------------------------------------------

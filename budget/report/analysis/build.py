@@ -26,7 +26,7 @@ from budget.report.analysis.verdict import (
     limits_section,
     mends,
 )
-from budget.report.analysis.what_if import what_if_section
+from budget.report.analysis.what_if import in_page_units, what_if_section
 from budget.report.document import to_json
 from budget.report.figures.contributions import correlation_chart
 from budget.report.figures.density import density_picture
@@ -116,7 +116,8 @@ def report_document(
     owners = tuple(dict.fromkeys(group.sensor for group in groups))
     sensors = tuple(sensor.kind for sensor in sensors_of(devices, procedure))
     carried = next((one.carried for one in extras if one.carried is not None), None)
-    rows = one_at_a_time(evidence.what_if)
+    model = in_page_units(evidence.what_if, assessment, carried)
+    rows = one_at_a_time(model)
     judged = judged_by(budget, carried)
     budgets = [budget, *([carried] if carried else [])]
     own = procedure if judged is budget else analysis_of(judged).procedure
@@ -125,9 +126,7 @@ def report_document(
         "filled": filled_sections(budget),
         "limits": assessment and limits_section(budget, assessment, full=full),
         "readings": readings_section(budget, assessment),
-        "what_if": what_if_section(
-            budget, evidence.what_if, rows, devices=devices, again=again
-        ),
+        "what_if": what_if_section(budget, model, rows, devices=devices, again=again),
         "inputs": inputs_section(
             devices,
             procedure,

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from math import fsum
 from typing import TYPE_CHECKING, Any
 
-from budget.errors import UnitError
 from budget.language import key_title, say
 from budget.names import MISSION
+from budget.report.analysis.what_if import largest_size
 from budget.report.blocks import Share, Shares
 from budget.report.figures.style import OTHER, look_of
 from budget.report.mission import PLANE, by_time, limits_blocks
@@ -24,7 +24,6 @@ from budget.report.tables import (
     print_contributions,
     print_gaps,
     print_share,
-    print_two_down,
     round_error,
     source_title,
     unit_for,
@@ -33,7 +32,6 @@ from budget.report.tables import (
 from budget.results import worst_of
 from budget.studies.verdicts import FAILS
 from budget.ties import first_largest
-from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -269,14 +267,8 @@ def mends(
         if not able:
             continue
         best = able[first_largest([one.most or 0.0 for one in able])]
-        try:
-            now = parse_quantity(best.source.printed, best.source.unit)
-        except UnitError:  # one for each axis, or in words
-            continue
-        size = print_two_down((best.most or 0.0) * now.value / now.si_per_unit)
-        found[sensor.sensor] = Mend(
-            source=best.source.name,
-            now=best.source.printed,
-            most=f"{size} {now.unit}",
-        )
+        if most := largest_size(best):
+            found[sensor.sensor] = Mend(
+                source=best.source.name, now=best.source.printed, most=most
+            )
     return found

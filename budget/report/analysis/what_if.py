@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from budget.errors import UnitError
 from budget.inputs.records import CHANGED
 from budget.names import AIDING, MISSION
 from budget.report.blocks import Section, Sliders
 from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
+from budget.report.mission import outputs_at_end
 from budget.report.pages import blocks, sections
 from budget.report.tables import (
+    as_limited,
     bound_number,
     print_coverage,
     print_two_down,
@@ -19,13 +22,14 @@ from budget.report.tables import (
 )
 from budget.results import BY_LAW
 from budget.studies.request import sensors_of
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Sequence
 
     from budget.inputs.records import Device, Sensor
     from budget.report.tables import Number
-    from budget.results import Budget
+    from budget.results import Assessment, Budget
     from budget.studies.what_if import SourceSteps, Step, WhatIf
 
 CHANGED_FILE = "changed.yaml"  # what a page calls the changed device
@@ -39,6 +43,20 @@ class AnalyzeAgain:
     of_file: str  # CHANGED_FILE in their place
     operands: str = ""  # what stands after all options of `same`
     devices: tuple[Device, ...] = ()  # as they were read, without stand-ins
+
+
+def in_page_units(
+    model: WhatIf, assessment: Assessment | None, carried: Budget | None
+) -> WhatIf:
+    """Return the model with its outputs in the units that the answer has them in."""
+    own = {} if carried is None else outputs_at_end(carried)
+    own |= {
+        row.output.name: as_limited(row).output
+        for row in (assessment.outputs if assessment else ())
+    }
+    return replace(
+        model, outputs=tuple(own.get(one.name, one) for one in model.outputs)
+    )
 
 
 def what_if_section(
@@ -64,6 +82,7 @@ def what_if_section(
         is_judged=is_judged,
         expanded=_expanded,
         down=print_two_down,
+        largest=largest_size,
         inf=inf,
     )
     sliders = Sliders(
@@ -125,6 +144,16 @@ def _without(sensor: Sensor, names: Collection[str]) -> Sensor:
     if not names:
         return sensor
     return sensor.with_lines(line for line in sensor.lines if line.name not in names)
+
+
+def largest_size(row: SourceSteps) -> str:
+    """Print the largest size that meets as the data sheet gives it, '' in words."""
+    try:
+        now = parse_quantity(row.source.printed, row.source.unit)
+    except UnitError:  # one for each axis
+        return ""
+    most = (row.most or 0.0) * now.value / now.si_per_unit
+    return f"{print_two_down(most)} {now.unit}"
 
 
 def _expanded(row: SourceSteps, step: Step) -> Number:

@@ -576,9 +576,11 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     drawn = document(replace(budget, settings=settings))
 
     failed = " ".join(lines(section(doubtful, "what-if")))
-    assert_says(failed, "law failed its check", "gyro scale factor x", "in doubt")
+    assert_says(
+        failed, "GUM propagation failed its check", "gyro scale factor x", "in doubt"
+    )
     said = " ".join(lines(section(judged, "what-if")))
-    assert_says(said, "interval of gyro scale factor x", "not the law's")
+    assert_says(said, "interval of gyro scale factor x", "not by GUM propagation")
     assert "in doubt" not in said
     (card,) = doubtful.cards
     assert_says(say(card.lines[-1]), "in doubt", "not confirmed on x")
