@@ -29,7 +29,7 @@ def allocate(
     environment: options.Environment = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
-        typer.Option(
+        options.computed(
             case_sensitive=False,
             help="How limits are shared out (proportional; cost where --costs is).",
             show_default=False,
@@ -37,11 +37,13 @@ def allocate(
     ] = None,
     costs: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Costs file; other lines have a = p = 1."),
+        options.computed(
+            metavar="FILE", help="Costs file; other lines have a = p = 1."
+        ),
     ] = None,
     fix: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             metavar="SOURCE",
             help="Hold this line, as gyro.bias_stability; may be given again.",
             show_default=False,
@@ -49,7 +51,7 @@ def allocate(
     ] = None,
     most: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             "--max",
             metavar="SOURCE=VALUE",
             help="Largest value of a line, as 'bias_stability=0.1 deg/h' (scale "
@@ -59,7 +61,7 @@ def allocate(
     ] = None,
     least: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             "--min",
             metavar="SOURCE=VALUE",
             help="Least value of a line, largest axis, 1 sigma.",
@@ -68,19 +70,20 @@ def allocate(
     ] = None,
     market: Annotated[
         bool,
-        typer.Option(
+        options.computed(
             "--market", help="No line better than the best in the catalogue, or now."
         ),
     ] = False,
     write: Annotated[
         Path | None,
-        typer.Option(
+        options.written(
             metavar="FILE.yaml", help="Write the allocated device as a device file."
         ),
     ] = None,
     seed: options.Seed = 0,
     no_validate: options.NoValidate = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -142,7 +145,7 @@ def allocate(
 
     show = partial(
         hand_out,
-        sections=lambda: allocation_answer(allocation),
+        sections=lambda: allocation_answer(allocation, full=full),
         title=allocation.title,
         language=language,
     )

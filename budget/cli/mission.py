@@ -25,6 +25,7 @@ def mission(
     asked: options.Asked,
     exit_code: options.ExitCode = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -54,5 +55,5 @@ def mission(
         documents=(json, csv),
         command="mission",
     )
-    deliver(budget, json=json, csv=csv, language=language)
+    deliver(budget, json=json, csv=csv, full=full, language=language)
     options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)

@@ -136,6 +136,12 @@ def complete_device(incomplete: str) -> list[str]:
     return sorted(found)
 
 
+# Options by what they are of: `--help` shows them so.
+judged = partial(typer.Option, rich_help_panel="What is judged")
+calibrated = partial(typer.Option, rich_help_panel="Calibration and use")
+computed = partial(typer.Option, rich_help_panel="How it is computed")
+written = partial(typer.Option, rich_help_panel="Where it goes")
+
 Devices = Annotated[
     list[str] | None,
     typer.Argument(
@@ -148,11 +154,11 @@ Devices = Annotated[
 ]
 ProcedureFile = Annotated[
     Path | None,
-    typer.Option("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
+    calibrated("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
 ]
 StationFile = Annotated[
     Path | None,
-    typer.Option(
+    calibrated(
         "--station",
         metavar="FILE",
         help="Station file: what is not known of table, place and environment (an "
@@ -160,13 +166,13 @@ StationFile = Annotated[
         show_default=False,
     ),
 ]
-MISSION: Any = typer.Option(
+MISSION: Any = judged(
     "--mission",
     metavar="FILE",
     help="Mission file, or the name of one that ships, as bench.",
     show_default=False,
 )
-AT: Any = typer.Option(
+AT: Any = judged(
     "--at",
     parser=_time,
     metavar="TIME",
@@ -177,7 +183,7 @@ AT: Any = typer.Option(
 At = Annotated[list[float] | None, AT]
 Calibration = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
         metavar="none|factory|PROCEDURE",
         help="What calibrated the unit: nothing, its maker, or a procedure (its maker "
         "for a mission; the paper's for limits on the calibration).",
@@ -186,7 +192,7 @@ Calibration = Annotated[
 ]
 Age = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
         metavar="TIME",
         help="Time from the calibration to its use, as '1 year': what ages has gone "
         "that long (--reference next_turn_on).",
@@ -195,7 +201,7 @@ Age = Annotated[
 ]
 Environment = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
         metavar="TEXT|none",
         help="That the unit is used in, as 'temperature 20 degC, vibration 1 g' "
         "(difference from the test, 1 sigma; rms), or none, as in its test "
@@ -205,7 +211,7 @@ Environment = Annotated[
 ]
 Accept = Annotated[
     Literal["meets", "meets_if"],
-    typer.Option(
+    judged(
         case_sensitive=False,
         help="The least verdict whose exit code is 0: meets_if accepts conditions that "
         "nobody has stated.",
@@ -213,31 +219,31 @@ Accept = Annotated[
 ]
 ExitCode = Annotated[
     bool,
-    typer.Option(
+    judged(
         "--exit-code", help="Exit with 1 where the requirement is not met (0 always)."
     ),
 ]
-FIRST_TRIALS: Any = typer.Option(
+FIRST_TRIALS: Any = computed(
     "--trials",
     parser=_number_of_trials,
     metavar="N",
     help="Monte Carlo trials of each device at first (100000).",
     show_default=False,
 )
-MOST_OF_A_DEVICE: Any = typer.Option(
+MOST_OF_A_DEVICE: Any = computed(
     "--max-trials",
     parser=_number_of_trials,
     metavar="N",
     help="The most of a device whose verdict or rank is open (1600000).",
     show_default=False,
 )
-REQUIREMENT: Any = typer.Option(
+REQUIREMENT: Any = judged(
     "--requirement",
     metavar="FILE",
     help="Requirement file; its coverage and error reference rule.",
 )
 RequirementFile = Annotated[Path | None, REQUIREMENT]
-OUTPUT: Any = typer.Option(
+OUTPUT: Any = written(
     "-o",
     "--output",
     metavar="FILE",
@@ -256,7 +262,7 @@ def _own_templates(context: typer.Context, folder: Path | None) -> Path | None:
 
 Templates = Annotated[
     Path | None,
-    typer.Option(
+    written(
         "--templates",
         metavar="DIR",
         is_eager=True,  # targets of an export may stand there
@@ -267,21 +273,21 @@ Templates = Annotated[
 ]
 Paper = Annotated[
     Literal["a4", "letter"],
-    typer.Option(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),
+    written(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),
 ]
 Language = Annotated[
     Literal["en", "zh"],
-    typer.Option(
+    written(
         case_sensitive=False, help="Language of results and pages: English, or Chinese."
     ),
 ]
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
-    typer.Option(case_sensitive=False, help="How uncertainty is propagated."),
+    computed(case_sensitive=False, help="How uncertainty is propagated."),
 ]
 Trials = Annotated[
     int | None,
-    typer.Option(
+    computed(
         parser=_trials,
         metavar="N|adaptive",
         help="Monte Carlo trials (adaptive) or simulated runs (200).",
@@ -290,7 +296,7 @@ Trials = Annotated[
 ]
 Digits = Annotated[
     int,
-    typer.Option(
+    computed(
         min=1,
         max=2,
         help="Digits of the uncertainty that adaptive trials and validation make sure.",
@@ -298,7 +304,7 @@ Digits = Annotated[
 ]
 MaxTrials = Annotated[
     int | None,
-    typer.Option(
+    computed(
         parser=_number_of_trials,
         metavar="N",
         help="Where adaptive trials stop at the latest (2000000).",
@@ -307,14 +313,14 @@ MaxTrials = Annotated[
 ]
 Full = Annotated[
     bool,
-    typer.Option("--full", help="Everything: not the answer alone, all that is known."),
+    written("--full", help="Everything: not the answer alone, all that is known."),
 ]
 Sobol = Annotated[
-    bool, typer.Option("--sobol", help="Estimate Sobol' indices of the sources too.")
+    bool, computed("--sobol", help="Estimate Sobol' indices of the sources too.")
 ]
 Samples = Annotated[
     int | None,
-    typer.Option(
+    computed(
         min=2,
         max=2**20,
         metavar="N",
@@ -324,12 +330,12 @@ Samples = Annotated[
 ]
 NoValidate = Annotated[
     bool,
-    typer.Option("--no-validate", help="Do not check the law by Monte Carlo."),
+    computed("--no-validate", help="Do not check the law by Monte Carlo."),
 ]
-Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same numbers.")]
+Seed = Annotated[int, computed(min=0, metavar="S", help="Same seed, same numbers.")]
 Workers = Annotated[
     int,
-    typer.Option(
+    computed(
         min=1,
         metavar="N",
         callback=_processes,
@@ -339,7 +345,7 @@ Workers = Annotated[
 ]
 Cluster = Annotated[
     str | None,
-    typer.Option(
+    computed(
         metavar="ADDRESS",
         help="Run on a Dask cluster, as tcp://host:port; changes no number.",
         show_default=False,
@@ -347,7 +353,7 @@ Cluster = Annotated[
 ]
 Coverage = Annotated[
     float | None,
-    typer.Option(
+    computed(
         parser=_coverage,
         metavar="P",
         help="Probability of the intervals, 0.95 or '95 %' (0.95).",
@@ -356,13 +362,11 @@ Coverage = Annotated[
 ]
 Interval = Annotated[
     Literal["symmetric", "shortest"],
-    typer.Option(
-        case_sensitive=False, help="Coverage interval of Monte Carlo results."
-    ),
+    computed(case_sensitive=False, help="Coverage interval of Monte Carlo results."),
 ]
 Reference = Annotated[
     Literal["nominal", "as_tested", "next_turn_on"] | None,
-    typer.Option(
+    computed(
         case_sensitive=False,
         help="Error reference: what errors are counted from (nominal).",
         show_default=False,
@@ -370,7 +374,7 @@ Reference = Annotated[
 ]
 Only = Annotated[
     list[str] | None,
-    typer.Option(
+    computed(
         metavar="SOURCE",
         help="Count this source alone, as gyro.bias_stability or bias_stability; "
         "may be given again.",
@@ -379,7 +383,7 @@ Only = Annotated[
 ]
 Changes = Annotated[
     list[str] | None,
-    typer.Option(
+    judged(
         "--set",
         metavar="LINE=VALUE",
         help="Another value than the file's, as gyro.bias_stability='0.02 deg/h', of "
@@ -390,7 +394,7 @@ Changes = Annotated[
 ]
 Outputs = Annotated[
     list[str] | None,
-    typer.Option(
+    written(
         metavar="NAME,...",
         help="Show these alone, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
         "derived of the mounting angles: rotation, non_orthogonality, misalignment; "
@@ -400,14 +404,14 @@ Outputs = Annotated[
 ]
 Matrices = Annotated[
     bool,
-    typer.Option(
+    written(
         "--matrices",
         help="Add the matrices that turn readings into inputs, with uncertainties.",
     ),
 ]
 Kinds = Annotated[
     list[Kind] | None,
-    typer.Option(
+    judged(
         "--kind",
         case_sensitive=False,
         help="Of the catalogue what has this, alone or in an IMU, or is an IMU; may be "
@@ -417,7 +421,7 @@ Kinds = Annotated[
 ]
 Grades = Annotated[
     list[Grade] | None,
-    typer.Option(
+    judged(
         "--grade",
         case_sensitive=False,
         help="Of the catalogue what has this grade, of that kind; may be given again.",
@@ -426,7 +430,7 @@ Grades = Annotated[
 ]
 Missing = Annotated[
     Literal["refuse", "worst", "typical", "predict"],
-    typer.Option(
+    judged(
         case_sensitive=False,
         help="What stands for expected lines that a device does not give: nothing, the "
         "worst or the median of comparable devices, or a distribution predicted from "
@@ -435,11 +439,11 @@ Missing = Annotated[
 ]
 JsonFile = Annotated[
     Path | None,
-    typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),
+    written("--json", metavar="FILE|-", help="Write the result as JSON."),
 ]
 CsvFile = Annotated[
     Path | None,
-    typer.Option("--csv", metavar="FILE|-", help="Write the result as CSV."),
+    written("--csv", metavar="FILE|-", help="Write the result as CSV."),
 ]
 
 

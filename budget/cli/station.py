@@ -56,7 +56,7 @@ def station(
     environment: options.Environment = None,
     ratio: Annotated[
         float | None,
-        typer.Option(
+        options.judged(
             parser=_ratio,
             metavar="N:1",
             help="Limit over the expanded uncertainty of the station alone (4:1).",
@@ -65,7 +65,7 @@ def station(
     ] = None,
     guard: Annotated[
         float | None,
-        typer.Option(
+        options.judged(
             parser=_guard,
             metavar="R",
             help="Guard band of the acceptance limits, over the expanded uncertainty "
@@ -75,7 +75,7 @@ def station(
     ] = None,
     strategy: Annotated[
         Literal["equal", "proportional"],
-        typer.Option(
+        options.computed(
             case_sensitive=False,
             help="How figures share the limits: in equal parts, or in proportion to "
             "the procedure's own station.",
@@ -83,7 +83,7 @@ def station(
     ] = "equal",
     stations: Annotated[
         list[Path] | None,
-        typer.Option(
+        options.judged(
             "--station",
             metavar="FILE",
             help="A station file to judge beside the shipped ones; may be given again.",
@@ -92,11 +92,12 @@ def station(
     ] = None,
     write: Annotated[
         Path | None,
-        typer.Option(
+        options.written(
             metavar="FILE.yaml",
             help="Write what the figures may be together as a station file.",
         ),
     ] = None,
+    full: options.Full = False,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -147,7 +148,7 @@ def station(
             (json, lambda: json_text(found.to_dict())),
             (csv, lambda: table_csv("station_figure", found.figures)),
         ),
-        lambda: station_answer(found),
+        lambda: station_answer(found, full=full),
         title=found.title,
         pages={} if write is None else {write: station_yaml(found)},
         language=language,

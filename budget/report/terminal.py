@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 EIGHTHS = " ▏▎▍▌▋▊▉█"
 TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
 NARROWEST_BAR, WIDEST_BAR = 4, 40  # [columns]
-WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
+WIDEST_CELL = (32, 24, 16)  # columns of a text beside others, where room is scarce
 GAP = 2  # columns between columns
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -252,8 +252,10 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
 
 
 def _break(text: str, width: int) -> list[str]:
-    """Break a text between words; one line at least."""
-    return _wrap(text, width, on_hyphens=False) or [""]
+    """Break a text between words; a number keeps its unit; one line at least."""
+    bound = BOUND.sub(NO_BREAK, text)
+    lines = _wrap(bound, width, on_hyphens=False) or [""]
+    return [line.replace(NO_BREAK, " ") for line in lines]
 
 
 def _columns(text: str) -> int:

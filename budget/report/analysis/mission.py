@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING
 from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION
-from budget.report.analysis.groups import rest_sections, verdict_sections
+from budget.report.analysis.groups import (
+    brief_sections,
+    lacking,
+    rest_sections,
+    verdict_sections,
+)
 from budget.report.blocks import Abreast, Card, ForPages, Paragraph
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
@@ -39,8 +44,17 @@ SPANS = 3  # of an aid, which are shown
 NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
 
 
-def mission_answer(budget: Budget) -> tuple[Section, ...]:
-    """Return what stands on a terminal: finding, tables, what they rest on."""
+def mission_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
+    """Return what stands on a terminal: finding, tables, what they rest on.
+
+    Else the answer in brief, and what a reader must know beside it.
+    """
+    if not full:
+        (found,) = _page("mission_brief", budget)
+        judged = budget.assessment
+        limits = () if judged is None else mission_limits(budget, judged)
+        own = (*limits, *found.blocks)
+        return brief_sections(budget, own, found.title)
     return (
         *verdict_sections(budget, mission_limits, _conditions),
         *_page("mission", budget),
@@ -77,6 +91,8 @@ def _page(page: str, budget: Budget, drawn: Block | None = None) -> tuple[Sectio
     mission = budget.mission
     return sections(
         page,
+        budget=budget,
+        assessment=budget.assessment,
         mission=mission,
         calibration=calibration_words(analysis_of(budget).procedure),
         way=mission and way_of(mission.route),
@@ -87,7 +103,7 @@ def _page(page: str, budget: Budget, drawn: Block | None = None) -> tuple[Sectio
         lost=[one for one in moments if one.is_lost],
         rate=rate_per_hour(moments),
         is_predicted=any(row.interval_by == BY_PREDICTION for row in budget.outputs),
-        lacks=list(dict.fromkeys(name for row in budget.outputs for name in row.lacks)),
+        lacks=lacking(budget),
         bought=bought(budget, moments),
         tested=len(budget.bought) > len(UNCALIBRATED),
         because=because,
