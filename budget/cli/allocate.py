@@ -45,6 +45,7 @@ def allocate(
         list[str] | None,
         options.computed(
             metavar="SOURCE",
+            autocompletion=options.complete_source,
             help="Hold this line, as gyro.bias_stability; may be given again.",
             show_default=False,
         ),
@@ -53,6 +54,7 @@ def allocate(
         list[str] | None,
         options.computed(
             "--max",
+            autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
             help="Largest value of a line, as 'bias_stability=0.1 deg/h' (scale "
             "factors 1 %, angles 1 deg, others 100 times the present value).",
@@ -63,6 +65,7 @@ def allocate(
         list[str] | None,
         options.computed(
             "--min",
+            autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
             help="Least value of a line, largest axis, 1 sigma.",
             show_default=False,

@@ -119,21 +119,68 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def complete_device(incomplete: str) -> list[str]:
-    """Complete the name of a shipped device, or a file that is there."""
-    from budget.inputs.files import shipped_names
+def completing(kind: str, *words: str) -> Callable[[str], list[str]]:
+    """Return what completes the name of a shipped file of a kind, or one there.
 
-    folder, slash, start = incomplete.rpartition("/")
-    found = [name for name in shipped_names("device") if name.startswith(incomplete)]
-    with suppress(OSError):  # no such folder: nothing to complete
-        for path in Path(folder + slash).iterdir():
-            if path.name.startswith(start):
-                named = f"{folder}{slash}{path.name}"
-                if path.is_dir():
-                    found.append(f"{named}/")
-                elif path.suffix.lower() in {".yaml", ".yml"}:
-                    found.append(named)
-    return sorted(found)
+    Of words that may stand in its place, too.
+    """
+
+    def complete(incomplete: str) -> list[str]:
+        from budget.inputs.files import shipped_names
+
+        folder, slash, start = incomplete.rpartition("/")
+        names = (*words, *shipped_names(kind))
+        found = [name for name in names if name.startswith(incomplete)]
+        with suppress(OSError):  # no such folder: nothing to complete
+            for path in Path(folder + slash).iterdir():
+                if path.name.startswith(start):
+                    named = f"{folder}{slash}{path.name}"
+                    if path.is_dir():
+                        found.append(f"{named}/")
+                    elif path.suffix.lower() in {".yaml", ".yml"}:
+                        found.append(named)
+        return sorted(found)
+
+    return complete
+
+
+complete_device = completing("device")
+
+
+def complete_line(incomplete: str) -> list[str]:
+    """Complete the name of a specification to which a value is given."""
+    from budget.model.sources import SENSORS, lines_of
+
+    names = (f"{owner}.{one.name}=" for owner in SENSORS for one in lines_of(owner))
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def complete_source(incomplete: str) -> list[str]:
+    """Complete the name of an error source, of sensors, station or environment."""
+    from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+
+    names = (
+        f"{owner}.{one.name}"
+        for owner in (*SENSORS, STATION, ENVIRONMENT)
+        for one in lines_of(owner)
+        if one.may_vary
+    )
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def complete_output(incomplete: str) -> list[str]:
+    """Complete the last of some outputs: gyro, gyro.bias or gyro.bias.z."""
+    from budget.model.sources import SENSORS
+    from budget.names import quantities_of
+
+    before, comma, last = incomplete.rpartition(",")
+    names: list[str] = []
+    for owner in SENSORS:
+        names.append(owner)
+        for quantity, axes in quantities_of(owner).items():
+            whole = f"{owner}.{quantity}"
+            names += [whole, *(f"{whole}.{axis}" for axis in axes)]
+    return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
 
 
 # Options by what they are of: `--help` shows them so.
@@ -154,12 +201,18 @@ Devices = Annotated[
 ]
 ProcedureFile = Annotated[
     Path | None,
-    calibrated("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
+    calibrated(
+        "--procedure",
+        autocompletion=completing("procedure"),
+        metavar="FILE",
+        help="Procedure file (the paper's).",
+    ),
 ]
 StationFile = Annotated[
     Path | None,
     calibrated(
         "--station",
+        autocompletion=completing("station"),
         metavar="FILE",
         help="Station file: what is not known of table, place and environment (an "
         "ideal one).",
@@ -168,6 +221,7 @@ StationFile = Annotated[
 ]
 MISSION: Any = judged(
     "--mission",
+    autocompletion=completing("mission"),
     metavar="FILE",
     help="Mission file, or the name of one that ships, as bench.",
     show_default=False,
@@ -184,6 +238,7 @@ At = Annotated[list[float] | None, AT]
 Calibration = Annotated[
     str | None,
     calibrated(
+        autocompletion=completing("procedure", "none", "factory"),
         metavar="none|factory|PROCEDURE",
         help="What calibrated the unit: nothing, its maker, or a procedure (its maker "
         "for a mission; the paper's for limits on the calibration).",
@@ -239,6 +294,7 @@ MOST_OF_A_DEVICE: Any = computed(
 )
 REQUIREMENT: Any = judged(
     "--requirement",
+    autocompletion=completing("requirement"),
     metavar="FILE",
     help="Requirement file; its coverage and error reference rule.",
 )
@@ -375,6 +431,7 @@ Reference = Annotated[
 Only = Annotated[
     list[str] | None,
     computed(
+        autocompletion=complete_source,
         metavar="SOURCE",
         help="Count this source alone, as gyro.bias_stability or bias_stability; "
         "may be given again.",
@@ -385,6 +442,7 @@ Changes = Annotated[
     list[str] | None,
     judged(
         "--set",
+        autocompletion=complete_line,
         metavar="LINE=VALUE",
         help="Another value than the file's, as gyro.bias_stability='0.02 deg/h', of "
         "an axis gyro.bias_repeatability.x=..., of one device NAME:gyro...; may be "
@@ -395,6 +453,7 @@ Changes = Annotated[
 Outputs = Annotated[
     list[str] | None,
     written(
+        autocompletion=complete_output,
         metavar="NAME,...",
         help="Show these alone, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
         "derived of the mounting angles: rotation, non_orthogonality, misalignment; "

@@ -85,6 +85,7 @@ def station(
         list[Path] | None,
         options.judged(
             "--station",
+            autocompletion=options.completing("station"),
             metavar="FILE",
             help="A station file to judge beside the shipped ones; may be given again.",
             show_default=False,

@@ -76,6 +76,7 @@ def brief_sections(
     answer = Section(
         name="verdict",
         title=title if judged is None and title else headline(budget, judged),
+        verdict="" if judged is None else judged.verdict,
         blocks=(Paragraph(words=summary(budget, judged)), *own),
     )
     return (answer, *_page("asked", budget))
@@ -197,6 +198,7 @@ def verdict_sections(
     yield Section(
         name="verdict",
         title=headline(budget, assessment),
+        verdict=assessment.verdict,
         blocks=(
             *under(assessment),
             Paragraph(words=summary(budget, assessment)),
