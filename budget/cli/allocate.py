@@ -1,4 +1,4 @@
-"""`budget allocate`: a requirement in, what each line of the data sheet may be out."""
+"""`budget allocate`: a requirement in, allowable specification values out."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def allocate(
         options.computed(
             metavar="SOURCE",
             autocompletion=options.complete_source,
-            help="Hold this line, as gyro.bias_stability; may be given again.",
+            help="Hold this specification, as gyro.bias_stability; may be given again.",
             show_default=False,
         ),
     ] = None,
@@ -56,7 +56,7 @@ def allocate(
             "--max",
             autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
-            help="Largest value of a line, as 'bias_stability=0.1 deg/h' (scale "
+            help="Largest value, as 'bias_stability=0.1 deg/h' (scale "
             "factors 1 %, angles 1 deg, others 100 times the present value).",
             show_default=False,
         ),
@@ -67,14 +67,15 @@ def allocate(
             "--min",
             autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
-            help="Least value of a line, largest axis, 1 sigma.",
+            help="Least value of a specification, largest axis, 1 sigma.",
             show_default=False,
         ),
     ] = None,
     market: Annotated[
         bool,
         options.computed(
-            "--market", help="No line better than the best in the catalogue, or now."
+            "--market",
+            help="No specification better than the best in the catalogue, or now.",
         ),
     ] = False,
     write: Annotated[
@@ -91,7 +92,7 @@ def allocate(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Find the standard uncertainty that each line may have for a requirement.
+    """Find the standard uncertainty that each specification may have.
 
     The device is where it starts. Exit code 1 where what is allocated meets the
     requirement on conditions alone or cannot be judged; 1, and no file written, where

@@ -36,7 +36,7 @@ def analyze(
     """Compute the error budget of a calibration, or of a mission after it.
 
     For every scale factor, mounting angle and bias: its expected error, standard
-    uncertainty and coverage interval, and what each specification line contributes. Of
+    uncertainty and coverage interval, and what each specification contributes. Of
     a mission what `budget mission` says. With a requirement the verdict comes first;
     the exit code is 0 whatever it is, but for --exit-code.
     """

@@ -1,4 +1,4 @@
-"""`budget mission`: what the errors do to navigation, and which line is to blame."""
+"""`budget mission`: what the errors do to navigation, and their main contributors."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def mission(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Say how far off navigation is after a calibration, and because of which line.
+    """Say how far off navigation is after a calibration, and the main contributors.
 
     Position (CEP, R95, DRMS), velocity and attitude at some times of a mission, with
     the errors that the calibration leaves at a later turn-on and the noise in run. With

@@ -149,9 +149,14 @@ complete_device = completing("device")
 
 def complete_line(incomplete: str) -> list[str]:
     """Complete the name of a specification to which a value is given."""
+    from budget.inputs.changes import RANGE
     from budget.model.sources import SENSORS, lines_of
 
-    names = (f"{owner}.{one.name}=" for owner in SENSORS for one in lines_of(owner))
+    names = (
+        f"{owner}.{name}="
+        for owner in SENSORS
+        for name in (*(one.name for one in lines_of(owner)), RANGE)
+    )
     return [name for name in names if name.startswith(incomplete)]
 
 
@@ -386,7 +391,7 @@ Samples = Annotated[
 ]
 NoValidate = Annotated[
     bool,
-    computed("--no-validate", help="Do not check the law by Monte Carlo."),
+    computed("--no-validate", help="Do not validate GUM propagation by Monte Carlo."),
 ]
 Seed = Annotated[int, computed(min=0, metavar="S", help="Same seed, same numbers.")]
 Workers = Annotated[
@@ -491,7 +496,7 @@ Missing = Annotated[
     Literal["refuse", "worst", "typical", "predict"],
     judged(
         case_sensitive=False,
-        help="What stands for expected lines that a device does not give: nothing, the "
+        help="What stands for expected specifications not given: nothing, the "
         "worst or the median of comparable devices, or a distribution predicted from "
         "them. Exit codes go by refuse.",
     ),
