@@ -69,15 +69,21 @@ def budget_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
 
 
 def brief_sections(
-    budget: Budget, own: Iterable[Block], title: str = ""
+    budget: Budget,
+    own: Iterable[Block],
+    title: str = "",
+    under: Iterable[Block] = (),
 ) -> tuple[Section, ...]:
-    """Return an answer in brief, under a title of its own where nothing is judged."""
+    """Return an answer in brief, under a title of its own where nothing is judged.
+
+    What a verdict depends on stands right `under` it, where `own` does not say it.
+    """
     judged = budget.assessment
     answer = Section(
         name="verdict",
         title=title if judged is None and title else headline(budget, judged),
         verdict="" if judged is None else judged.verdict,
-        blocks=(Paragraph(words=summary(budget, judged)), *own),
+        blocks=(*under, Paragraph(words=summary(budget, judged)), *own),
     )
     return (answer, *_page("asked", budget))
 

@@ -13,7 +13,7 @@ from budget.report.analysis.groups import (
     rest_sections,
     verdict_sections,
 )
-from budget.report.blocks import Abreast, Card, ForPages, Paragraph
+from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Run
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
     PLANE,
@@ -28,7 +28,7 @@ from budget.report.mission import (
 from budget.report.pages import sections
 from budget.report.route import way_of
 from budget.report.tables import full_title, of_the_variance
-from budget.report.wording import standing_blocks
+from budget.report.wording import capital, deciding_lines, standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words
@@ -54,12 +54,19 @@ def mission_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
         judged = budget.assessment
         limits = () if judged is None else mission_limits(budget, judged)
         own = (*limits, *found.blocks)
-        return brief_sections(budget, own, found.title)
+        return brief_sections(budget, own, found.title, _deciding(judged))
     return (
         *verdict_sections(budget, mission_limits, _conditions),
         *_page("mission", budget),
         *rest_sections(budget),
     )
+
+
+def _deciding(assessment: Assessment | None) -> Iterator[Block]:
+    """Yield what the verdict depends on."""
+    for sensor in assessment.sensors if assessment else ():
+        for said in deciding_lines(sensor.standing):
+            yield Paragraph(words=(Run(text=f"{capital(said)}.", strong=True),))
 
 
 def _conditions(assessment: Assessment) -> Iterator[Block]:
