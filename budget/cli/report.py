@@ -61,6 +61,7 @@ def report(
             help="Add what each line may be to meet the requirement (proportional).",
         ),
     ] = False,
+    full: options.Full = False,
     number: Annotated[
         str,
         typer.Option(
@@ -166,7 +167,9 @@ def report(
                 command="mission",
             )
         loaded, bare = analysis_of(budget).devices, loaded
-        evidence = gather_evidence(analysis_of(budget), budget, budget.assessment)
+        evidence = gather_evidence(
+            analysis_of(budget), budget, budget.assessment, full=full
+        )
         with speaking(language):
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),
@@ -202,6 +205,7 @@ def report(
                 ),
                 date=date,
                 number=number,
+                full=full,
             )
         files = pages_of(document, output, paper)
         show(1, 1)
@@ -260,18 +264,19 @@ def _again(
 def _mission_extra(carried: Budget) -> Extra:
     """Return a mission as a part of the report: its section and its document."""
     from budget.report.analysis.build import Extra
-    from budget.report.analysis.mission import mission_section
+    from budget.report.analysis.mission import mission_figures, mission_section
     from budget.studies.mission import curve, drawn_times
     from budget.studies.request import analysis_of
 
     analysis = analysis_of(carried)
     asked = sorted({row.output.name.time or 0.0 for row in carried.outputs})
     times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
-    found = curve(analysis, times)
+    figures = mission_figures(carried, curve(analysis, times))
     return Extra(
         key="mission",
         content=carried.to_dict(),
-        sections=(mission_section(carried, found),),
+        sections=(mission_section(carried, figures[1:]),),
+        growth=next(iter(figures), None),
         inputs=carried.inputs,
         warnings=carried.warnings,
         carried=carried,

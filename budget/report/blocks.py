@@ -75,6 +75,25 @@ class Column:
     kind: str = "text"
     # Share of the width that a text column asks for beside other text columns.
     weight: float = 1.0
+    role: str = ""  # what a script knows it by
+
+
+@dataclass(frozen=True, kw_only=True)
+class Share:
+    """One part of a stacked bar: what it is of, its share, and how it looks."""
+
+    name: str  # for a program: 'gyro.bias_repeatability'
+    text: str  # 'bias repeatability 94 %'
+    share: float  # of the variance [1]
+    colour: str  # '#0072B2'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shares:
+    """A stacked bar in a cell: shares of one variance, from the largest."""
+
+    outputs: tuple[str, ...]  # that the row is of, the first has these: 'gyro.bias.x'
+    parts: tuple[Share, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,6 +106,7 @@ class Cell:
     share: float | None = None  # part of the cell that a bar behind the text fills [1]
     strong: bool = False  # bold: what the reader must not miss
     note: str = ""  # a second line, small
+    shares: Shares | None = None  # a stacked bar above the text
 
 
 @dataclass(frozen=True, kw_only=True)

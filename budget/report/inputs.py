@@ -23,7 +23,7 @@ from budget.report.wording import parted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
@@ -55,10 +55,25 @@ class DataSheet:
     rows: tuple[InputRow, ...]
 
 
-def inputs_section(devices: Sequence[Device], procedure: Procedure) -> Section:
-    """Return every value that the budget is made of, and those that it is not."""
+def inputs_section(
+    devices: Sequence[Device],
+    procedure: Procedure,
+    *,
+    absent: Sequence[str] = (),
+    assumed: Sequence[str] = (),
+    parted: Callable[[str], tuple[str, str]] = parted,
+    full: bool = True,
+) -> Section:
+    """Return every value that the budget is made of, and in full those that it is not.
+
+    What is absent, and assumed, as far as it does not stand on page one.
+    """
     (section,) = sections(
         "inputs",
+        full=full,
+        absent=absent,
+        assumed=assumed,
+        parted=parted,
         devices=devices,
         sheets=[
             data_sheet(sensor, device.assumptions)
@@ -106,9 +121,11 @@ def _rows(
     return tuple(rows)
 
 
-def procedure_section(procedure: Procedure, sensors: Sequence[str]) -> Section:
-    """Return the procedure in words, and drawn; of the sensors that are there."""
-    schedule = schedule_chart(procedure, sensors)
+def procedure_section(
+    procedure: Procedure, sensors: Sequence[str], *, full: bool = True
+) -> Section:
+    """Return the procedure in words, in full drawn; of the sensors that are there."""
+    schedule = schedule_chart(procedure, sensors) if full else None
     (section,) = sections(
         "procedure",
         procedure=procedure,

@@ -61,6 +61,7 @@ def _render(document: Document) -> str:
         "picture": _picture,
         "natural_width": lambda picture: natural_width(picture.svg),
         "model": _model,
+        "ink": lambda colour: INKS.get(colour, colour),
         "has_bar": lambda share: share is not None and share > SMALL_BAR,
         "per_cent": lambda share: f"{100.0 * min(share, 1.0):.1f}%",
     }
@@ -146,7 +147,10 @@ def _is_broad(blocks: Sequence[Block]) -> bool:
     """Whether a section needs more than a column of the first page."""
     return any(
         getattr(block, "is_wide", False)
-        or (isinstance(block, Abreast) and _is_broad(block.blocks))
+        or (
+            isinstance(block, Abreast)
+            and (block.columns > 2 or _is_broad(block.blocks))  # noqa: PLR2004
+        )
         for block in blocks
     )
 
@@ -171,12 +175,13 @@ def _widths(table: Table) -> list[str]:
     """Return the part of the width that each column of a wide table asks for.
 
     Text columns share out what the others leave, by their weights; those are as wide
-    as their numbers.
+    as their numbers, some 8 % each.
     """
     texts = [column.weight for column in table.columns if column.kind == "text"]
     if not (table.is_wide or table.for_pen) or len(set(texts)) < 2:  # noqa: PLR2004 - all alike
         return [""] * len(table.columns)
-    part = len(texts) / len(table.columns) / sum(texts)
+    count = len(table.columns)
+    part = max(len(texts) / count, 1.0 - 0.08 * (count - len(texts))) / sum(texts)
     return [
         f"{100.0 * part * column.weight:.1f}%" if column.kind == "text" else ""
         for column in table.columns

@@ -15,12 +15,13 @@ that terminal, HTML and PDF show. What it may write:
     | text | number | unit |            columns by alignment: `---`, `--:`, `:-:`; in a
     |---|--:|:-:|                       head `?` for one that goes where nothing stands
     | = title |                         in it, `{1.4}` for its weight, `{code}` for its
-                                        kind, or both; a group of rows
+                                        kind, `{used}` what a script knows it by, or
+                                        several; a group of rows
     | | |  |---|---|  | term | words |  without caption and heads: terms, what they are
     Brief: words                        what a terminal prints in place of the section
     Empty: words                        that there are no points of a listing, muted
     {{ block(x) }}                      a block that is made elsewhere: a figure; in a
-                                        sentence a formula
+                                        sentence a formula, in a cell a stacked bar
     {{ sections(x) }}                   sections that are made elsewhere
     {% call abreast(3) %} {% endcall %} panels and figures in it beside each other
 
@@ -65,6 +66,7 @@ from budget.report.blocks import (
     RowGroup,
     Run,
     Section,
+    Shares,
     Table,
 )
 from budget.report.writing import (
@@ -96,7 +98,7 @@ if TYPE_CHECKING:
     from budget.report.formulas import Math
     from budget.results import Standing
 
-    Object = Block | Math | Section  # what is made elsewhere
+    Object = Block | Math | Section | Shares  # what is made elsewhere
 
 _MARK = re.compile(f"([{EXACT}{OBJECT}{BENEATH}{BAR}])([^{END}]*){END}")
 # At the end of a title, and of a head, as the page has them: a value has them hidden.
@@ -109,6 +111,7 @@ _READ = re.compile(
 _POINTS = re.compile(r"^- (\w+):", re.MULTILINE)
 _PLACES = re.compile(r"\{(\w+)\}")
 KINDS = {"right": "number", "center": "unit"}
+MARKED_KINDS = {"code", "drawing"}
 _FORMULA = re.compile(r"(\$\$?)([^$]+)\1")
 _TAG = re.compile(r"\{%.*?%\}")
 TABLE, BRIEF, EMPTY = "Table: ", "Brief: ", "Empty: "
@@ -368,7 +371,7 @@ def _blocks(
                     rows=tuple((_text(one), _words(of, objects)) for one, of in rows)
                 )
             case "table":
-                yield _table(node, caption)
+                yield _table(node, caption, objects)
                 caption = None
 
 
@@ -391,14 +394,16 @@ def _equations(words: Any) -> Iterator[Equation]:  # noqa: ANN401 - likewise
                 yield replace(own, number=said or own.number)
 
 
-def _table(node: SyntaxTreeNode, caption: SyntaxTreeNode | None) -> Table:
+def _table(
+    node: SyntaxTreeNode, caption: SyntaxTreeNode | None, objects: Sequence[Object]
+) -> Table:
     """Return a table with its caption, columns and groups of rows."""
     said, name, how = _named(caption)
     (head,) = node.children[0].children
     columns, optional = zip(*map(_column, head.children), strict=True)
     groups: list[tuple[str, list[tuple[Cell, ...]]]] = [("", [])]
     for row in node.children[1].children if len(node.children) > 1 else ():
-        cells = tuple(map(_cell, row.children))
+        cells = tuple(_cell(one, objects) for one in row.children)
         if _raw(row.children[0]).startswith("="):
             groups.append((cells[0].text.removeprefix("=").strip(), []))
         else:
@@ -433,15 +438,19 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
             replace(column, weight=float(one))
             if one[0].isdigit()
             else replace(column, kind=one)
+            if one in MARKED_KINDS
+            else replace(column, role=one)
         )
     return column, bool(mark)
 
 
-def _cell(node: SyntaxTreeNode) -> Cell:
-    """Return a cell: its text, what it is exactly, bar and remark."""
-    text, exact, share, note, strong = "", None, None, "", False
-    for word in _words(node):
-        if isinstance(word, tuple):
+def _cell(node: SyntaxTreeNode, objects: Sequence[Object]) -> Cell:
+    """Return a cell: its text, what it is exactly, bars and remark."""
+    text, exact, share, note, strong, shares = "", None, None, "", False, None
+    for word in _words(node, objects):
+        if isinstance(word, Shares):
+            shares = word
+        elif isinstance(word, tuple):
             kind, value = word
             if kind == BAR:
                 share = float(value)
@@ -454,7 +463,12 @@ def _cell(node: SyntaxTreeNode) -> Cell:
         else:
             text += str(word)
     return Cell(
-        text=text.rstrip(), exact=exact, share=share, strong=strong, note=note.strip()
+        text=text.strip(),
+        exact=exact,
+        share=share,
+        strong=strong,
+        note=note.strip(),
+        shares=shares,
     )
 
 

@@ -333,6 +333,10 @@ def _plain_rows(table: Table, group: RowGroup) -> list[list[dict[str, Any]]]:
                     "text": part,
                     "plain": _join(part),
                     "share": cell.share,
+                    "parts": [
+                        [one.share, one.colour]
+                        for one in (cell.shares.parts if cell.shares else ())
+                    ],
                     "strong": cell.strong,
                     "note": break_long(cell.note),
                     "whole": whole,

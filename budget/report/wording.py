@@ -30,6 +30,7 @@ __all__ = [
     "error_reference",
     "mode_remark",
     "mode_sentence",
+    "not_given_gathered",
     "not_given_lines",
     "outcome_words",
     "parted",
@@ -99,6 +100,21 @@ def not_given_lines(
         effect = (name.owner, tuple(one for one in NAMED if one in reached), use)
         absent.setdefault(effect, []).append(name.quantity)
     return lines("words", "not_given", absent=absent)
+
+
+def not_given_gathered(
+    reach: Mapping[Name, tuple[Name, ...]], *, is_later: bool = False, most: int = 0
+) -> tuple[str, ...]:
+    """Say as not_given_lines, a line a sensor, the first names of `most` and more."""
+    widening: dict[str, list[str]] = {}
+    by_use: dict[str, str] = {}
+    for name, outputs in reach.items():
+        if outputs:
+            widening.setdefault(name.owner, []).append(name.quantity)
+        elif is_later and name.quantity in USE_OF:
+            by_use[name.quantity] = USE_OF[name.quantity]
+    view = {"widening": widening, "by_use": by_use, "most": most}
+    return lines("words", "not_given_gathered", **view)
 
 
 def parted(text: str) -> tuple[str, str]:

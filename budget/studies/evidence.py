@@ -23,22 +23,42 @@ if TYPE_CHECKING:
 class Evidence:
     """What stands behind a budget."""
 
-    coupling: CouplingTable  # which source reaches what, by the law
-    # How the errors of the critical outputs are distributed; by Monte Carlo.
+    coupling: CouplingTable | None  # which source reaches what, by the law
+    # How the errors of the critical outputs are distributed; by Monte Carlo. () where
+    # the law is confirmed and nobody asks.
     densities: tuple[Density, ...]
     what_if: WhatIf  # the budget as a function of the sizes of its sources
     unfelt: tuple[Unfelt, ...]  # what is given and reaches no output
 
 
 def gather_evidence(
-    analysis: Analysis, budget: Budget, assessment: Assessment | None = None
+    analysis: Analysis,
+    budget: Budget,
+    assessment: Assessment | None = None,
+    *,
+    full: bool = True,
 ) -> Evidence:
-    """Compute what a report shows beside a budget, and beside its assessment."""
+    """Compute what a report shows beside a budget, and beside its assessment.
+
+    In `full` all; else distributions only where the law is not confirmed.
+    """
     return Evidence(
         coupling=coupling_by_law(
             analysis.problem, analysis.law, analysis.procedure.formulas
-        ),
-        densities=critical_densities(analysis, budget, assessment),
+        )
+        if full
+        else None,
+        densities=critical_densities(analysis, budget, assessment)
+        if full or in_doubt(budget)
+        else (),
         what_if=what_if(analysis, budget=budget),
         unfelt=unfelt(analysis),
+    )
+
+
+def in_doubt(budget: Budget) -> bool:
+    """Whether the law is not what the intervals rest on, or has failed its check."""
+    return any(
+        row.by_trials or (row.validation is not None and not row.validation.holds)
+        for row in budget.outputs
     )

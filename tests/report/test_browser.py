@@ -336,8 +336,8 @@ ON_A_TELEPHONE = """() => {
     (svg) => [...svg.querySelectorAll("text")].filter((text) =>
       parseFloat(getComputedStyle(text).fontSize) * svg.getBoundingClientRect().width
         / svg.viewBox.baseVal.width < 11).map((text) => text.textContent));
-  const heads = [...document.querySelectorAll(".rest thead th")].filter(
-    (head) => shown(head) && head.textContent.trim() === "verdict");
+  const heads = [...document.querySelectorAll("thead th")].filter((head) => shown(head)
+    && ["verdict", "of the limit [%]"].includes(head.textContent.trim()));
   const hidden = heads.filter((head) =>
     head.getBoundingClientRect().right > innerWidth)
     .map((head) => head.closest("table").id);

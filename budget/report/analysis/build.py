@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from budget.inputs.records import UNCALIBRATED
+from budget.model.sources import STATION
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -18,19 +19,17 @@ from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.mission import mission_card
 from budget.report.analysis.station import station_section
 from budget.report.analysis.verdict import (
+    MOST,
+    answer_rows,
     judged_by,
     limits_section,
-    rank_contributions,
+    mends,
 )
 from budget.report.analysis.what_if import what_if_section
 from budget.report.document import to_json
 from budget.report.figures.contributions import correlation_chart
 from budget.report.figures.density import density_picture
-from budget.report.figures.outputs import (
-    overview_chart,
-    utilisation_chart,
-    validity_chart,
-)
+from budget.report.figures.outputs import validity_chart
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import coupling_chart, sobol_chart
 from budget.report.inputs import (
@@ -40,8 +39,9 @@ from budget.report.inputs import (
 )
 from budget.report.pages import document, line
 from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.tables import group_tables
-from budget.report.wording import not_given_lines, parted
+from budget.report.tables import SMALL_SHARE, group_tables, print_coverage
+from budget.report.wording import not_given_gathered, parted
+from budget.studies.evidence import in_doubt
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
@@ -52,13 +52,15 @@ if TYPE_CHECKING:
 
     from budget.inputs.records import Device, Procedure
     from budget.report.analysis.what_if import AnalyzeAgain
-    from budget.report.blocks import Document, Picture, Section
+    from budget.report.blocks import Block, Document, Picture, Section
     from budget.report.figures.rows import Chart
-    from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, InputFile
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence
+
+
+NAMES = 4  # of a sensor that are not given, on page one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +74,7 @@ class Extra:
     inputs: tuple[InputFile, ...]
     warnings: tuple[str, ...] = ()  # what a reader of page one must know of it
     carried: Budget | None = None  # of a mission, whose limits are judged with the rest
+    growth: Block | None = None  # the figure of it on page one
 
     @classmethod
     def of(
@@ -99,12 +102,14 @@ def report_document(
     again: AnalyzeAgain | None = None,
     date: str,
     number: str = "",
+    full: bool = True,
 ) -> Document:
     """Put a budget and what stands behind it into one document.
 
-    The evidence is that of `gather_evidence` for the same budget; the command line is
-    without output names, `again` are those of a changed device; `number` is that of the
-    report for the one who files it.
+    Without `full` what a reviewer reads: formulas, schedule and figures that have
+    nothing to say are left out. The evidence is that of `gather_evidence` for the same
+    budget; the command line is without output names, `again` are those of a changed
+    device; `number` is that of the report for the one who files it.
     """
     groups = group_tables(budget)
     owners = tuple(dict.fromkeys(group.sensor for group in groups))
@@ -112,29 +117,40 @@ def report_document(
     carried = next((one.carried for one in extras if one.carried is not None), None)
     rows = one_at_a_time(evidence.what_if)
     judged = judged_by(budget, carried)
+    budgets = [budget, *([carried] if carried else [])]
     own = procedure if judged is budget else analysis_of(judged).procedure
+    counting, brief = _counting(budgets), _missing(budgets, NAMES)
     made = {
         "filled": filled_sections(budget),
-        "limits": assessment and limits_section(budget, assessment),
+        "limits": assessment and limits_section(budget, assessment, full=full),
         "readings": readings_section(budget, assessment),
         "what_if": what_if_section(
             budget, evidence.what_if, rows, devices=devices, again=again
         ),
-        "inputs": inputs_section(devices, procedure),
-        "procedure": procedure_section(procedure, sensors),
-        "budget": budget_section(groups, assessment),
+        "inputs": inputs_section(
+            devices,
+            procedure,
+            absent=() if (whole := _missing(budgets)) == brief else whole,
+            assumed=[
+                text for text in budget.assumptions if text not in counting[:MOST]
+            ],
+            parted=_assumed,
+            full=full,
+        ),
+        "procedure": procedure_section(procedure, sensors, full=full),
+        "budget": budget_section(groups, procedure, assessment, full=full),
         "matrices": matrices_sections(budget),
         "station": station_section(
-            budget, groups, procedure, assessment, evidence.unfelt
+            budget, groups, procedure, assessment, evidence.unfelt, full=full
         ),
         "studies": chain(*(extra.sections for extra in extras)),
         "method": method_section(
             budget.settings,
             procedure,
             devices,
-            sensors,
             _trials(budget, evidence),
             of_verdict=judged.settings,
+            full=full,
         ),
         "provenance": provenance_section(
             (*budget.inputs, *_further_inputs(budget, extras)),
@@ -156,16 +172,30 @@ def report_document(
         procedure=procedure,
         calibration=calibration_words(own) if own.formulas in UNCALIBRATED else None,
         degrees=print_degrees,
-        contributions=rank_contributions(
-            groups, devices, procedure, assessment, carried
-        ),
-        missing=_missing([budget, *([carried] if carried else [])]),
-        assumed=_assumed,
-        overview=_overview(groups, assessment),
+        rows=answer_rows(budget, groups, assessment, carried),
+        coverage=print_coverage(judged.settings.coverage),
+        mends=mends(rows, assessment),
+        absent=brief,
+        counting=counting,
+        parted=_assumed,
+        MOST=MOST,
+        cautioned=assessment.sensors if assessment else (),
+        growth=next((one.growth for one in extras if one.growth is not None), None),
         correlation=_drawn([correlation_chart(budget)]),
-        coupling=_drawn(coupling_chart(evidence.coupling, one) for one in owners),
-        indices=_drawn(sobol_chart(budget, one) for one in owners),
-        validity=_drawn(validity_chart(budget, one) for one in owners),
+        coupling=_drawn(
+            coupling_chart(evidence.coupling, one)
+            for one in owners
+            if evidence.coupling is not None
+        ),
+        sobol=budget.settings.sobol_samples is not None,
+        indices=_drawn(
+            sobol_chart(budget, one)
+            for one in owners
+            if full or _interacts(budget, one)
+        ),
+        validity=_drawn(
+            validity_chart(budget, one) for one in owners if full or in_doubt(budget)
+        ),
         densities=evidence.densities,
         distributions=[
             density_picture(one, coverage=budget.settings.coverage)
@@ -203,24 +233,47 @@ def _further_inputs(budget: Budget, extras: Sequence[Extra]) -> tuple[InputFile,
     return tuple(dict.fromkeys(further))
 
 
-def _overview(
-    groups: Sequence[GroupTable], assessment: Assessment | None
-) -> list[Picture]:
-    """Return the figure of page one: limits used, or U of every group."""
-    if assessment is None:
-        return _drawn([overview_chart(groups)])
-    judged = replace(assessment, outputs=assessment.judged)
-    return _drawn([utilisation_chart(judged)] if judged.outputs else [])
+def _interacts(budget: Budget, sensor: str) -> bool:
+    """Whether a total index of an output is above the first-order one beyond chance."""
+    return any(
+        part.sobol is not None and part.sobol.interacts
+        for row in budget.outputs
+        if row.sensor == sensor
+        for part in row.contributions
+    )
 
 
-def _missing(own: Sequence[Budget]) -> tuple[str, ...]:
+def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
+    """Return the assumptions that an answer stands on: of sources that count in it.
+
+    The others stand under Inputs.
+    """
+    counts = {
+        str(part.source)
+        for one in own
+        for row in one.outputs
+        for part in row.contributions
+        if part.share >= SMALL_SHARE
+    }
+    texts = dict.fromkeys(text for one in own for text in one.assumptions)
+    return tuple(
+        text
+        for text in texts
+        if not (key := _assumed(text)[0])
+        or key == STATION
+        or key in counts
+        or key.rpartition(".")[0] in counts
+    )
+
+
+def _missing(own: Sequence[Budget], most: int = 0) -> tuple[str, ...]:
     """Say what is not given, and what it could change on one budget or the other."""
     reach = {
         name: tuple(output for one in own for output in one.could_widen.get(name, ()))
         for name in dict.fromkeys(name for one in own for name in one.could_widen)
     }
     is_later = any(one.settings.reference == "next_turn_on" for one in own)
-    return not_given_lines(reach, is_later=is_later)
+    return not_given_gathered(reach, is_later=is_later, most=most)
 
 
 def _assumed(text: str) -> tuple[str, str]:

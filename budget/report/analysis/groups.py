@@ -36,6 +36,7 @@ from budget.results import CONVENTION, worst_of
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
+    from budget.inputs.records import Procedure
     from budget.names import Name
     from budget.report.blocks import Block
     from budget.report.tables import GroupTable, Number, OutputRow
@@ -221,11 +222,24 @@ def _cards(budget: Budget, assessment: Assessment) -> Iterator[Block]:
 
 
 def budget_section(
-    groups: Sequence[GroupTable], assessment: Assessment | None = None
+    groups: Sequence[GroupTable],
+    procedure: Procedure,
+    assessment: Assessment | None = None,
+    *,
+    full: bool = True,
 ) -> Section:
-    """Return the budgets of all groups with the figures of their contributions."""
-    drawn = [(group, _pictures(group, assessment)) for group in groups]
-    (section,) = sections("analysis/budget", groups=drawn)
+    """Return the budgets of all groups, their model equations, in full figures."""
+    drawn = [
+        (group, _pictures(group, assessment) if full else None) for group in groups
+    ]
+    sensors = {group.sensor for group in groups}
+    (section,) = sections(
+        "analysis/budget",
+        groups=drawn,
+        procedure=procedure,
+        sensors=sensors,
+        full=full,
+    )
     return section
 
 

@@ -38,19 +38,18 @@ def method_section(
     settings: Settings,
     procedure: Procedure,
     devices: Collection[Device],
-    sensors: Collection[str],
     trials: Trials,
     *,
     of_verdict: Settings,
+    full: bool = True,
 ) -> Section:
-    """Return settings, formulas and references; of the sensors that are there."""
+    """Return settings and references, in full formulas; of the sensors there are."""
     has_weights = procedure.formulas in {"least_squares", "weighted", "norm"}
     weighed = sensors_of(tuple(devices), procedure) if has_weights else ()
     (section,) = sections(
         "method",
+        full=full,
         settings=settings,
-        procedure=procedure,
-        sensors=sensors,
         trials=trials,
         of_verdict=of_verdict,
         error_reference=error_reference,

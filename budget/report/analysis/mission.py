@@ -13,7 +13,7 @@ from budget.report.analysis.groups import (
     rest_sections,
     verdict_sections,
 )
-from budget.report.blocks import Abreast, Card, ForPages, Paragraph, Run
+from budget.report.blocks import Abreast, Card, Paragraph, Run
 from budget.report.figures.growth import growth_pictures
 from budget.report.mission import (
     PLANE,
@@ -34,9 +34,9 @@ from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
-    from budget.report.blocks import Block, Section
+    from budget.report.blocks import Block, Picture, Section
     from budget.results import Assessment, Budget
     from budget.studies.mission import Curve
 
@@ -75,12 +75,17 @@ def _conditions(assessment: Assessment) -> Iterator[Block]:
         yield from standing_blocks(sensor.standing)
 
 
-def mission_section(budget: Budget, found: Curve | None = None) -> Section:
+def mission_section(budget: Budget, figures: Sequence[Picture] = ()) -> Section:
     """Return a mission in a report: finding, tables, figures, method."""
-    limits = () if budget.assessment is None else budget.assessment.outputs
-    drawn = ForPages(lambda: () if found is None else growth_pictures(found, limits))
-    (section,) = _page("mission", budget, Abreast(blocks=(drawn,)))
+    drawn = Abreast(blocks=tuple(figures)) if figures else None
+    (section,) = _page("mission", budget, drawn)
     return section
+
+
+def mission_figures(budget: Budget, found: Curve) -> tuple[Picture, ...]:
+    """Return the figures of a mission, that of page one first; () if none varies."""
+    limits = () if budget.assessment is None else budget.assessment.outputs
+    return growth_pictures(found, limits)
 
 
 def mission_card(budget: Budget) -> Card:

@@ -42,10 +42,13 @@ def station_section(
     procedure: Procedure,
     assessment: Assessment | None,
     unfelt: Sequence[Unfelt],
+    *,
+    full: bool = True,
 ) -> Section | None:
     """Return what the station and the environment make of the budget.
 
-    None where the procedure gives no line of either.
+    None where the procedure gives no line of either. Without `full` what adds less than
+    0.1 % everywhere is gathered.
     """
     lines = {
         name: line
@@ -69,6 +72,11 @@ def station_section(
         if one.source.owner in SHARED:
             reason = (one.removed, "" if one.removed else one.needs)
             reasons.setdefault(reason, []).append(one.source)
+    slight = [
+        name
+        for name, source in sources.items()
+        if source.varies and max(_by_group(groups, [name])) < LEAST_SAID
+    ]
     (section,) = sections(
         "analysis/station",
         budget=budget,
@@ -93,6 +101,7 @@ def station_section(
         reasons=[(*reason, names) for reason, names in reasons.items()],
         acts_on=lambda name: _acts_on(budget, name),
         by_group=lambda names: _by_group(groups, names),
+        slight=slight if len(slight) > 1 and not full else [],
         used_part=used_part,
         SENSORS=SENSORS,
         INTERACTION=INTERACTION,

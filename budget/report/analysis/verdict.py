@@ -2,36 +2,50 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass, replace
+from math import fsum
+from typing import TYPE_CHECKING, Any
 
-from budget.language import beside, key_title, say
+from budget.errors import UnitError
+from budget.language import key_title, say
 from budget.names import MISSION
-from budget.report.mission import limits_blocks
+from budget.report.blocks import Share, Shares
+from budget.report.figures.style import OTHER, look_of
+from budget.report.mission import PLANE, by_time, limits_blocks
 from budget.report.pages import cards, line, runs, sections
 from budget.report.tables import (
+    HEADING,
     SMALL_SHARE,
     Number,
     as_limited,
+    bound_number,
+    join_outputs,
+    largest_error,
+    print_contributions,
     print_share,
-    round_u,
+    print_two_down,
+    round_error,
     source_title,
+    unit_for,
+    used_part,
 )
-from budget.studies.request import given_lines, sensors_of
-from budget.ties import first_largest, from_largest, settle
+from budget.results import worst_of
+from budget.studies.verdicts import FAILS
+from budget.ties import first_largest
+from budget.units import parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.inputs.records import Device, ErrorLine, Procedure
     from budget.names import Name
     from budget.report.blocks import Card, Section, Words
     from budget.report.tables import GroupTable
-    from budget.results import Assessment, Budget, OutputAssessment
+    from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
+    from budget.studies.what_if import SourceSteps
 
-    Order = tuple[bool, float]  # whether beyond a limit, and the weight
-    # Owner and source, the part of a limit that is used, and what it makes there.
-    Found = tuple[str, Name, float, "Effect"]
+MOST = 3  # cautions and assumptions on page one
+# Errors of a mission that stand on page one where nothing limits it.
+AT_THE_END = (("position", PLANE), ("velocity", PLANE), ("attitude", HEADING))
 
 
 def headline(budget: Budget, assessment: Assessment | None) -> str:
@@ -72,123 +86,194 @@ def verdict_cards(
     return cards("verdict", "sensor_cards", **view)
 
 
-def limits_section(budget: Budget, assessment: Assessment) -> Section:
-    """Return every required output against its limit, as a table."""
+def limits_section(
+    budget: Budget, assessment: Assessment, *, full: bool = True
+) -> Section | None:
+    """Return every required output against its limit, as a table; caps, conditions.
+
+    Without `full` what page one does not say: axes where they differ.
+    """
     coverage = budget.settings.coverage
     rows = [row for row in assessment.outputs if row.output.name.owner == MISSION]
-    (section,) = sections(
+    found = sections(
         "limits",
+        full=full,
+        differing=_differing(assessment),
+        MOST=MOST,
         assessment=assessment,
         coverage=coverage,
         mission=limits_blocks(coverage, assessment, rows)[0],
     )
-    return section
+    return found[0] if found and found[0].blocks[1:] else None
 
 
-T = TypeVar("T")
-LARGEST = 5  # as many as a reader keeps in mind
+def _differing(
+    assessment: Assessment,
+) -> list[tuple[str, list[OutputAssessment]]]:
+    """Return by sensor the groups of limits whose axes differ in print."""
+    groups: dict[Name, list[OutputAssessment]] = {}
+    for row in assessment.outputs:
+        if row.output.name.owner != MISSION:
+            groups.setdefault(row.output.name.group, []).append(row)
+    found: dict[str, list[OutputAssessment]] = {}
+    for group, rows in groups.items():
+        if len({largest_error(row).text for row in rows}) > 1:
+            found.setdefault(group.owner, []).extend(rows)
+    return list(found.items())
 
 
 @dataclass(frozen=True, kw_only=True)
-class Effect:
-    """What a source makes of the variance of one group, or of an error on a mission."""
+class AnswerRow:
+    """What page one says of one limit, or of one group without one."""
 
-    share: Number
-    group: str
-    is_on_mission: bool = False
-    u: Number  # of the source alone, on the axis where it is largest
+    title: str  # 'gyro mounting angle (every axis)'
+    error: Number  # the largest one, or U
     unit: str
+    shares: Shares  # of its variance
+    said: str  # these in words, the largest first
+    limit: str = ""  # as the requirement has it
+    used: Number | None = None  # part of the limit
+    is_within: bool = True
 
 
-@dataclass(frozen=True, kw_only=True)
-class LargestContribution:
-    """One source, and what it makes of every group where it counts."""
-
-    title: str
-    line: ErrorLine | None  # of the data sheet
-    effects: tuple[Effect, ...]
-
-
-def rank_contributions(
+def answer_rows(
+    budget: Budget,
     groups: Sequence[GroupTable],
-    devices: Sequence[Device],
-    procedure: Procedure,
     assessment: Assessment | None,
     carried: Budget | None = None,
-) -> tuple[LargestContribution, ...]:
-    """Return the largest contributions, each with what it makes of every group.
+) -> tuple[AnswerRow, ...]:
+    """Return a row for each limit, the axes of a group in one; without limits for each.
 
-    Ranked by the largest share of a group's variance; with a requirement by that share
-    of the group's utilisation, those of groups beyond their limits before all others.
-    Where a budget carried to a mission is limited, of what is limited alone.
+    Of a group the output that uses most of its limit, or has the largest U; of a
+    mission without limits its last time.
     """
-    given = given_lines(sensors_of(devices), procedure)
-    on_mission = [] if carried is None else [*_on_mission(carried)]
-    in_groups = _in_groups(groups, assessment, limited_alone=bool(on_mission))
-    found: dict[tuple[str, Name], list[tuple[Order, Effect]]] = {}
-    for owner, source, used, effect in (*on_mission, *in_groups):
-        if effect.share.exact >= SMALL_SHARE:
-            order = (settle(used) > 1.0, used * effect.share.exact)
-            found.setdefault((owner, source), []).append((order, effect))
-    ranked = _from_largest(
-        [(max(order for order, _ in own), source) for source, own in found.items()]
-    )
-    return tuple(
-        LargestContribution(
-            title=beside(say(owner), source_title(source)),
-            line=given.get(source),
-            effects=tuple(_from_largest(found[owner, source])),
-        )
-        for owner, source in ranked[:LARGEST]
-    )
+    rows = [
+        *(_limited(budget, assessment, carried) if assessment else map(_free, groups)),
+        *([] if carried is None or carried.assessment else _at_the_end(carried)),
+    ]
+    return tuple(rows)
 
 
-def _on_mission(carried: Budget) -> Iterator[Found]:
-    """Yield what sources make of that which uses most of each limit on a mission.
-
-    Nothing of what is only rounding.
-    """
-    limited: dict[Name, list[OutputAssessment]] = {}
-    for row in carried.assessment.outputs if carried.assessment else ():
+def _limited(
+    budget: Budget, assessment: Assessment, carried: Budget | None
+) -> Iterator[AnswerRow]:
+    """Yield what is held against limits."""
+    groups: dict[object, list[OutputAssessment]] = {}
+    for row in assessment.judged:
         name = row.output.name
-        if name.owner == MISSION and carried.output(name).is_resolved:
-            limited.setdefault(name.group, []).append(row)
-    for rows in limited.values():
-        row = as_limited(rows[first_largest([one.utilisation for one in rows])])
-        for part in carried.output(row.output.name).contributions:
-            effect = Effect(
-                share=Number(text=print_share(part.share), exact=part.share),
-                group=key_title(row.output.name),
-                is_on_mission=True,
-                u=round_u(part.standard_uncertainty, row.output),
-                unit=row.output.unit,
-            )
-            yield part.source.owner or MISSION, part.source, row.utilisation, effect
+        groups.setdefault(name if name.owner == MISSION else name.group, []).append(row)
+    for rows in groups.values():
+        row = as_limited(worst_of(rows))
+        name = row.output.name
+        of = carried if carried and name.owner == MISSION else budget
+        names = [row.output.name for row in rows]
+        alike = len({largest_error(as_limited(one)).text for one in rows}) == 1
+        yield AnswerRow(
+            title=join_outputs(names if alike else [name]),
+            error=largest_error(row),
+            unit=row.output.unit,
+            limit=row.printed_limit,
+            used=used_part(row),
+            is_within=row.is_within,
+            **_made_of(of.output(name), [name, *names]),
+        )
 
 
-def _in_groups(
-    groups: Sequence[GroupTable],
-    assessment: Assessment | None,
-    *,
-    limited_alone: bool,
-) -> Iterator[Found]:
-    """Yield what sources make of groups; used is 1 where nothing is required of any."""
-    found: dict[str, float] = {}
-    for row in assessment.outputs if assessment else ():
-        title = key_title(row.output.name.group)
-        found[title] = max(found.get(title, 0.0), row.utilisation)
-    for group in groups:
-        used = found.get(group.title, 1.0 if assessment is None else 0.0)
-        for one in group.sources if used or not limited_alone else ():
-            u = one.cells[first_largest([cell.u.exact for cell in one.cells])].u
-            effect = Effect(share=one.share, group=group.title, u=u, unit=group.unit)
-            yield one.source.owner or group.sensor, one.source, used, effect
-
-
-def _from_largest(found: Sequence[tuple[Order, T]]) -> list[T]:
-    """Return what is beyond a limit first, then from the largest weight down."""
-    parts = (
-        [(weight, one) for (is_beyond, weight), one in found if is_beyond is beyond]
-        for beyond in (True, False)
+def _free(group: GroupTable) -> AnswerRow:
+    """Return what is known of a group without a limit."""
+    place = group.rows.index(group.widest)
+    row = group.rows[place]
+    own = [one.output.name for one in group.outputs]
+    alike = len({one.expanded.text for one in group.rows}) == 1
+    return AnswerRow(
+        title=join_outputs(own if alike else [own[place]]),
+        error=row.expanded,
+        unit=group.unit,
+        **_made_of(group.outputs[place], [own[place], *own]),
     )
-    return [own[k][1] for own in parts for k in from_largest([w for w, _ in own])]
+
+
+def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
+    """Yield the errors at the last time of a mission that has no limits."""
+    end = by_time(carried)[-1]
+    for quantity, axis in AT_THE_END:
+        row = end.row(quantity, axis)
+        if row is not None and not row.is_unknown:
+            like = HEADING if axis == HEADING else quantity
+            unit, scale = unit_for(like, row.largest_error)
+            output = replace(row.output, unit=unit, si_per_unit=scale)
+            error = round_error(row.largest_error, row.standard_uncertainty, output)
+            yield AnswerRow(
+                title=key_title(row.output.name),
+                error=bound_number(error, lower_bound=row.lower_bound),
+                unit=unit,
+                **_made_of(row, [row.output.name]),
+            )
+
+
+def _made_of(row: OutputBudget, outputs: Sequence[Name]) -> dict[str, Any]:
+    """Return the shares of the variance of an output, as a bar and in words."""
+    owner = row.output.name.owner
+    ranked = row.ranked if row.is_resolved else ()
+    titles = [(source_title(one.source, of=owner), one) for one in ranked]
+    parts = [
+        Share(
+            name=one.source,
+            text=f"{title} {print_share(one.share)}",
+            share=one.share,
+            colour=look_of(one.source)[0],
+        )
+        for title, one in titles
+        if one.share >= SMALL_SHARE
+    ]
+    rest = fsum(one.share for one in ranked[len(parts) :])
+    if parts and rest >= SMALL_SHARE:
+        text = say("rest {rest}", rest=print_share(rest))
+        colour = look_of(OTHER)[0]
+        parts.append(Share(name=OTHER, text=text, share=rest, colour=colour))
+    return {
+        "shares": Shares(outputs=tuple(dict.fromkeys(outputs)), parts=tuple(parts)),
+        "said": print_contributions([(title, one.share) for title, one in titles]),
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mend:
+    """One specification that alone would make a sensor meet, the others as they are."""
+
+    source: Name
+    now: str  # as the file gives it
+    most: str  # that it may be
+
+
+def mends(
+    rows: Sequence[SourceSteps], assessment: Assessment | None
+) -> dict[str, Mend]:
+    """Return for sensors that fail the specification that need be improved least.
+
+    Nothing of those that no single one would make meet.
+    """
+    found = {}
+    for sensor in assessment.sensors if assessment else ():
+        able = [
+            one
+            for one in rows
+            if sensor.verdict == FAILS
+            and sensor.sensor in {one.source.name.owner, MISSION}
+            and one.most
+            and one.most < 1.0
+        ]
+        if not able:
+            continue
+        best = able[first_largest([one.most or 0.0 for one in able])]
+        try:
+            now = parse_quantity(best.source.printed, best.source.unit)
+        except UnitError:  # one for each axis, or in words
+            continue
+        size = print_two_down((best.most or 0.0) * now.value / now.si_per_unit)
+        found[sensor.sensor] = Mend(
+            source=best.source.name,
+            now=best.source.printed,
+            most=f"{size} {now.unit}",
+        )
+    return found

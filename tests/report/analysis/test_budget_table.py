@@ -7,6 +7,7 @@ from functools import cache
 from math import sqrt
 
 import pytest
+from document_text import lines
 from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
@@ -188,8 +189,8 @@ def test_divisors_are_printed_as_roots(value, text):
 
 def test_the_section_says_how_to_read_it():
     """What c is, and what correlation it carries, is said once."""
-    section = budget_section(group_tables(budget()))
-    said = str(section.blocks[0].words)
+    section = budget_section(group_tables(budget()), load_procedure("zhao-2019"))
+    said = " ".join(lines(section))
 
     assert "sensitivity coefficient" in said
     assert "correlation" in said
@@ -237,7 +238,7 @@ def test_u_of_trials_has_no_k_to_the_interval_of_the_law():
     (group,) = table(of, "gyro bias").groups
     heads = [one[0].text for one in group.rows]
     assert any(head.startswith("combined u, by simulation") for head in heads)
-    assert any("interval from, by the law" in head for head in heads)
+    assert any("interval from, by GUM propagation" in head for head in heads)
     assert not any(cell.text.startswith("k =") for one in group.rows for cell in one)
 
 

@@ -24,11 +24,9 @@ from report_examples import (
 )
 from saying import assert_says
 
-from budget.distributions import TRIANGULAR
 from budget.inputs import load_requirement
 from budget.inputs.device import read_device
 from budget.inputs.reader import parse
-from budget.inputs.records import ANGLES
 from budget.names import key_title
 from budget.report.analysis.build import Extra, report_document
 from budget.report.blocks import (
@@ -97,12 +95,18 @@ def failing():
     return document(budget, assessment=make_assessment(budget))
 
 
+def answer(report):
+    """Return the rows of the table on page one."""
+    (table,) = find(section(report, "overview"), Table)
+    return [row for group in table.groups for row in group.rows]
+
+
 def test_page_one_answers_first():
-    """The sections of page one come before all others: figure, contributions, gaps."""
+    """The sections of page one come before all others: a table, what may change it."""
     for report in (example(), failing()):
         first = [s.on_first_page for s in report.sections]
         assert first == sorted(first, reverse=True)
-        assert names(report)[:3] == ["overview", "contributions", "gaps"]
+        assert names(report)[:2] == ["overview", "gaps"]
 
 
 def test_every_section_of_a_full_report_is_there():
@@ -110,14 +114,12 @@ def test_every_section_of_a_full_report_is_there():
     assert names(failing()) == [
         *(
             "overview",
-            "contributions",
             "gaps",
             "limits",
             "what-if",
+            "budget",
             "inputs",
             "procedure",
-            "budget",
-            "correlation",
         ),
         *("coupling", "validity", "distributions", "method", "provenance"),
         "sign-off",
@@ -133,18 +135,40 @@ def test_names_of_links_are_unique():
 
 
 def test_report_without_requirement_gives_u_of_each_group():
-    """Without a requirement the cards say U of each group and what dominates it."""
-    cards = {
-        card.title: [say(words) for words in card.lines] for card in example().cards
-    }
+    """Without a requirement the table says U of each group and what makes it up."""
+    found = {row[0].text: row for row in answer(example())}
+    z = found["Gyro bias z"]
 
-    assert_says(cards["Gyro bias"][0], "U95 0.119 deg/h", "axis z")
-    assert_says(
-        cards["Gyro bias"][1],
-        *("bias repeatability 74 %", "bias stability 24 %", "rest 2 %", "variance"),
-    )
+    assert [cell.text for cell in z[:3]] == ["Gyro bias z", "0.119", "deg/h"]
+    assert_says(z[-1].text, "bias repeatability 67 %", "bias stability 31 %", "rest")
+    assert len(found) == 6
     assert example().headline == "Error budget, U at 95 % coverage"
     assert not any("of the limit" in line for line in lines(example()))
+
+
+def test_the_bar_is_what_the_budget_has():
+    """Its parts are the shares of the output of the row, small ones gathered, to 1."""
+    budget = make_budget()
+    for row in answer(failing()):
+        shares = row[-1].shares
+        own = budget.output(shares.outputs[0]).contributions
+        exact = {str(part.source): part.share for part in own}
+        assert_allclose(sum(one.share for one in shares.parts), 1.0, rtol=1e-2)
+        for one in shares.parts:
+            if one.name != "other":
+                assert_allclose(one.share, exact[one.name], rtol=1e-12)
+        small = [name for name, share in exact.items() if share < 0.01]
+        assert not {one.name for one in shares.parts} & {*small}
+
+
+def test_a_limit_that_is_exceeded_is_bold():
+    """Each row has the largest error, the limit and the part of it, bold if beyond."""
+    found = {row[0].text: row for row in answer(failing())}
+    z = found["Gyro bias z"]
+
+    texts = [cell.text for cell in z[:5]]
+    assert texts == ["Gyro bias z", "0.119", "deg/h", "0.1 deg/h", "119"]
+    assert [row[0].text for row in found.values() if row[0].strong] == ["Gyro bias z"]
 
 
 def test_failing_report_says_by_what_and_why():
@@ -157,8 +181,7 @@ def test_failing_report_says_by_what_and_why():
     assert report.running_head == f"Zhao 2019 optical IMU: {report.headline}"
     assert_says(say(report.summary), "3 of 24", "exceed", "119 % of its limit")
     assert gyro.title == "Gyro: FAILS"
-    assert_says(words, "gyro bias z", "largest error 0.119 deg/h", "limit 0.1 deg/h")
-    assert_says(words, "119 % of the limit")
+    assert_says(words, "Gyro bias z", "0.119 deg/h of 0.1 deg/h allowed, 119 %")
     assert_says(words, "bias repeatability 67 %", "bias stability 31 %", "rest 2 %")
 
 
@@ -216,7 +239,7 @@ def test_meeting_report_says_the_margin():
 
     assert report.headline == f"MEETS tactical grade, {AFTER}"
     said = say(report.summary)
-    assert_says(said, "12 required outputs", "alone", "6.9 % of the nearest", "spare")
+    assert_says(said, "12 required outputs", "alone", "tightest uses 93.1 % of its")
     assert_says(said, "all 12", "together", "probability of 81 %")
 
 
@@ -234,50 +257,24 @@ def test_page_one_says_that_sources_were_left_out(required):
     assert_says(other, "zero", "not the budget of the whole device")
 
 
-def test_contributions_are_ranked_by_what_they_do_to_the_limits():
-    """With a requirement those in groups beyond their limits stand first."""
-    items = section(failing(), "contributions").blocks[0].items
-
-    assert [item[0].text for item in items] == [
-        "Gyro bias repeatability",
-        "Gyro bias stability",
-        "Gyro angle random walk",
-        "Gyro scale factor repeatability",
-        "Accelerometer scale factor repeatability",
-    ]
-
-
-def test_cause_quotes_the_data_sheet():
-    """A contribution carries the printed figure of its line, share and u."""
-    items = [say(item) for item in section(example(), "contributions").blocks[0].items]
-
-    (bias,) = (item for item in items if "Accelerometer bias repeatability" in item)
-    assert_says(bias, "(37 ug)", "79 %", "accelerometer bias variance", "alone u 37 ug")
-
-
 def test_empty_states_are_said():
-    """Nothing missing, assumed or warned of is said in words."""
+    """Nothing missing is said in words; no assumption or caution is no heading."""
     report = document(make_budget(**NO_GAPS, assumptions=(), warnings=()))
-    panels = section(report, "gaps").blocks[0].blocks
+    (panel,) = section(report, "gaps").blocks[0].blocks
 
-    assert [panel.blocks[0].items for panel in panels] == [(), (), ()]
-    given, assumed, warned = (panel.blocks[0].empty for panel in panels)
-    assert_says(given, "every line", "is given")
-    assert_says(assumed, "none", "files")
-    assert_says(warned, "none")
+    assert panel.blocks[0].items == ()
+    assert_says(panel.blocks[0].empty, "every specification", "is given")
 
 
 def test_budget_without_spread_says_so():
-    """A budget in which nothing varies has no contributions and no empty figure."""
+    """A budget in which nothing varies has no bar."""
     still = make_output(
         "gyro", "bias", "x", unit="deg/h", scale=1.0, sources={"bias_stability": 0.0}
     )
-    report = document(make_budget(outputs=(still,)))
-    contributions = section(report, "contributions").blocks[0]
+    ((*_, cell),) = answer(document(make_budget(outputs=(still,))))
 
-    assert contributions.items == ()
-    assert_says(contributions.empty, "no output", "spread")
-    assert [say(line) for line in report.cards[0].lines][1] == "no spread"
+    assert cell.shares.parts == ()
+    assert cell.text == "no spread"
 
 
 def test_every_source_of_every_output_stands_in_the_tables():
@@ -285,7 +282,7 @@ def test_every_source_of_every_output_stands_in_the_tables():
     budget = make_budget()
     part = section(document(budget), "budget")
 
-    for group, panel in zip(group_tables(budget), part.blocks[1:], strict=True):
+    for group, panel in zip(group_tables(budget), part.blocks[3:], strict=True):
         by_axis = {
             axis: {row[0].text: [cell.text for cell in row] for row in own.rows}
             for own in find(panel, Table)[0].groups
@@ -314,7 +311,7 @@ def test_the_check_of_the_law_stands_with_every_output():
     assert len(found) == 24
     assert all(row[-1].text == "agrees" for row in found)
     said = " ".join(lines(section(report, "budget")))
-    assert said.count("The law checked against Monte Carlo") == 1
+    assert said.count("GUM propagation checked against Monte Carlo") == 1
 
 
 def test_inputs_show_the_data_sheet():
@@ -347,8 +344,12 @@ def test_inputs_show_what_was_assumed_of_each_line():
         ),
     )
     gyro = section(document(device=device), "inputs").blocks[0]
-    found = rows(gyro)
-    by_line = {row[0]: row[-1] for row in found}
+    by_line = {
+        row[0].text: row[3].note
+        for table in find(gyro, Table)
+        for group in table.groups
+        for row in group.rows
+    }
 
     assert by_line["bias stability"] == "correlation time not given, 300 s assumed"
     assert by_line["angle random walk"] == "y: typical is taken as 1 sigma"
@@ -360,7 +361,7 @@ def test_columns_in_which_nothing_stands_are_left_out():
     table = section(document(device=device), "inputs").blocks[0].blocks[1]
 
     assert [column.head for column in table.columns] == [
-        *("line", "as printed, meaning", "u, distribution")
+        *("specification", "as printed, meaning", "u, distribution")
     ]
 
 
@@ -392,14 +393,18 @@ def test_sensor_that_is_absent_has_no_part():
     )
 
     assert "twelve positions" not in words
-    assert "eq. (5)" not in words
-    assert "eq. (3)" in words
+    numbers = {one.number for one in find(report, Equation)}
+    assert "eq. (3)" in numbers
+    assert "eq. (5)" not in numbers
 
 
 def test_formula_of_the_paper_is_shown_where_it_is_used():
     """The gyro bias formula is the one of the procedure."""
-    assert "Gyro bias, corrected from eq. (4)" in lines(example())
-    assert "Gyro bias, eq. (4) as printed" in lines(document(formulas="paper"))
+    notes = {one.number for one in find(example(), Equation)}
+    assert "eq. (4), corrected" in notes
+    printed = {one.number for one in find(document(formulas="paper"), Equation)}
+    assert "eq. (4), as printed" in printed
+    assert "eq. (4), corrected" not in printed
 
 
 def test_letters_of_the_formulas_are_named():
@@ -407,13 +412,13 @@ def test_letters_of_the_formulas_are_named():
     walk = replace(make_device().gyro.lines[0], name="rate_random_walk")
     gyro = replace(make_device().gyro, lines=(*make_device().gyro.lines, walk))
     report = document(device=replace(make_device(), gyro=gyro))
-    said = " ".join(lines(section(report, "method")))
+    said = " ".join(lines(section(report, "budget")))
     notes = {e.number for e in find(report, Equation)}
 
     for words in (
-        *("Delta T the matrix of them", "I the unit matrix", "g gravity"),
+        *("Delta T: mounting angles", "I: unit matrix", "g: gravity"),
         *("at latitude phi", "number of pulses a second over the azimuths"),
-        "number of pulses a second of axis i",
+        "number of pulses a second of axis i over",
     ):
         assert words in said
     said = "; ".join(filter(None, notes))
@@ -435,14 +440,9 @@ def test_the_formulas_claim_no_check(method):
 
 def test_every_parameter_has_its_formula():
     """24 parameters: 9 and one vector equation of the gyro, 12 of the accelerometer."""
-    panels = [
-        block
-        for block in section(example(), "method").blocks
-        if getattr(block, "title", "").partition(",")[0]
-        in {"Gyro scale factors and mounting angles", "Gyro bias", "Accelerometer"}
-    ]
+    panels = section(example(), "budget").blocks[3:]
 
-    assert sum(len(find(panel, Equation)) for panel in panels) == 10 + 12
+    assert [len(find(panel, Equation)) for panel in panels] == [3, 6, 1, 3, 6, 3]
 
 
 def test_noise_formulas_are_those_of_the_lines_given():
@@ -504,7 +504,7 @@ def test_embedded_document_is_the_budget_and_its_extras():
 
     assert found["outputs"] == budget.to_dict()["outputs"]
     assert found["allocation"] == {"feasible": True}
-    assert names(report).index("allocation") == names(report).index("method") - 1
+    assert names(report).index("allocation") == names(report).index("budget") - 1
     assert [row[0] for row in rows(section(report, "provenance"))] == [
         *("device", "procedure", "allocation, catalogue")
     ]
@@ -580,8 +580,8 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     said = " ".join(lines(section(judged, "what-if")))
     assert_says(said, "interval of gyro scale factor x", "not the law's")
     assert "in doubt" not in said
-    assert_says(say(doubtful.cards[0].lines[-1]), "in doubt", "not confirmed on x")
-    assert not any("doubt" in say(line) for line in doubtful.cards[1].lines)
+    (card,) = doubtful.cards
+    assert_says(say(card.lines[-1]), "in doubt", "not confirmed on x")
     assert_says(" ".join(lines(section(drawn, "what-if"))), "budget", "by monte-carlo")
 
 
@@ -599,7 +599,7 @@ def test_a_sensor_that_is_limited_but_absent_is_said_first():
     assert report.headline == (
         f"FAILS tactical grade, gyro alone, accelerometer not judged, {AFTER}"
     )
-    assert_says(say(report.summary), "nothing", "of the accelerometer", "limits too")
+    assert_says(say(report.summary), "no accelerometer calibrated", "not assessed")
 
 
 def test_caps_stand_with_the_limits():
@@ -639,10 +639,24 @@ def test_assumptions_are_written_in_words():
     """The key before an assumption is no key to a reader of page one."""
     panels = section(example(), "gaps").blocks[0].blocks
 
-    line, place = (say(item) for item in panels[1].blocks[0].items)
-    assert_says(line, "Gyro bias stability:", "correlation time of 300 s", "file's own")
-    assert_says(place, "latitude 34.2394 deg", "normal gravity", "9.7966933 m/s^2")
-    assert "_" not in line + place
+    said = [say(item) for panel in panels for item in panel.blocks[0].items]
+    (line,) = (one for one in said if one.startswith("Gyro bias stability:"))
+    assert_says(line, "correlation time of 300 s", "file's own")
+    assert "_" not in line
+
+
+def test_what_moves_nothing_stands_under_inputs():
+    """An assumption of what counts nowhere is not on page one, and is not lost."""
+    text = "gyro.nominal_bias: not given, 0 assumed"
+    report = document(make_budget(assumptions=(text,)))
+    (panel,) = (
+        one
+        for one in section(report, "inputs").blocks
+        if getattr(one, "title", "") == "Assumed besides"
+    )
+
+    assert "nominal bias" not in " ".join(lines(section(report, "gaps")))
+    assert say(panel.blocks[0].items[0]) == "Gyro nominal bias: not given, 0 assumed"
 
 
 def test_number_and_lines_to_sign():
@@ -667,7 +681,8 @@ def test_warnings_of_other_studies_reach_page_one():
     )
     panels = section(document(extras=(extra,)), "gaps").blocks[0].blocks
 
-    assert ("allocation: limits cannot be met",) in panels[2].blocks[0].items
+    assert panels[0].title == "Cautions"
+    assert ("Allocation: limits cannot be met",) in panels[0].blocks[0].items
 
 
 def test_trials_say_what_they_were_for():
@@ -675,23 +690,5 @@ def test_trials_say_what_they_were_for():
     pairs = dict(section(example(), "method").blocks[0].rows)
 
     (said,) = pairs["trials"]
-    assert_says(said, "230 000 to check the law", "one digit of u")
+    assert_says(said, "230 000 to check GUM propagation", "one digit of u")
     assert_says(said, "100 000 for the distributions")
-
-
-def test_cause_says_a_distribution_that_its_meaning_does_not():
-    """A half-width that is triangular says so; a uniform one goes without saying."""
-    budget = make_budget()
-    device = make_device()
-    triangular = replace(
-        device.gyro.lines[-1], distributions=(TRIANGULAR,) * len(ANGLES)
-    )
-    lines_of = (*device.gyro.lines[:-1], triangular)
-    changed = replace(device, gyro=replace(device.gyro, lines=lines_of))
-
-    def contributions(one):
-        found = section(document(budget, device=one), "contributions").blocks[0].items
-        return " ".join(say(item) for item in found)
-
-    assert "(2 arcsec, max)" in contributions(device)
-    assert "(2 arcsec, max, triangular)" in contributions(changed)

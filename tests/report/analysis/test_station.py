@@ -98,7 +98,7 @@ def test_the_finding_is_what_the_station_adds_to_the_variance():
     assert_says(
         text,
         *("station", print_share(added[worst]), print_share(1.0 - added[worst])),
-        *("gyro mounting angle yx", "mount", "own lines"),
+        *("gyro mounting angle yx", "mount", "own specifications"),
     )
     assert worst == "gyro.mounting_angle.yx"
     assert text.startswith("The station takes")

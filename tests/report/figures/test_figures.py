@@ -399,7 +399,7 @@ def test_nothing_to_show_is_no_picture():
     still = make_output("gyro", "bias", "x", sources={"bias_stability": 0.0}, **UNIT)
     groups = group_tables(make_budget(outputs=(still,)))
 
-    assert not find(budget_section(groups), Picture)
+    assert not find(budget_section(groups, make_procedure()), Picture)
     assert overview_chart(groups) is None
     nothing = make_coupling({("bias_stability", "bias"): 0.0})
     assert coupling_chart(nothing, "gyro") is None
