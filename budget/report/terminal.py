@@ -43,7 +43,8 @@ if TYPE_CHECKING:
 EIGHTHS = " ▏▎▍▌▋▊▉█"
 TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
 NARROWEST_BAR, WIDEST_BAR = 4, 40  # [columns]
-WIDEST_CELL = (32, 24, 16)  # columns of a text beside others, where room is scarce
+WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
+NARROW_CELL = 16  # where that keeps a table whole
 GAP = 2  # columns between columns
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -203,10 +204,13 @@ def print_table(table: Table, page: Page) -> None:
     of the tables. Where even one more has no room beside it, every row is a list of its
     fields. Numbers are never cut or broken.
     """
-    for widest in (page.width, *WIDEST_CELL):
+    for widest in (page.width, *WIDEST_CELL, NARROW_CELL):
         columns = [_set(table, place, widest) for place in range(len(table.columns))]
-        parts = _parts(columns, page.width)
-        if parts is not None and len(parts) == 1:
+        tried = _parts(columns, page.width)
+        is_whole = tried is not None and len(tried) == 1
+        if is_whole or widest != NARROW_CELL:
+            parts = tried
+        if is_whole:
             break
     if parts is None:
         _print_fields(table, page)
