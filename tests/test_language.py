@@ -341,7 +341,7 @@ def test_json_is_english_in_any_language():
         for language in LANGUAGES
     ]
 
-    assert "陀螺零偏" in shown
+    assert "重复性误差全部计入" in shown
     assert len(set(documents)) == 1
 
 
