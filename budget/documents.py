@@ -33,6 +33,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
+from importlib import import_module
 from math import isinf
 from textwrap import dedent
 from typing import Any, TypeVar
@@ -224,6 +225,28 @@ def document(
     found: dict[str, Any] = {}
     form_of(record, name).put(found, record, size)
     return found
+
+
+SHOWN_BY = "budget.report.notebook"  # stands above, and is loaded when it is asked to
+
+
+class Shown:
+    """A record that prints as a short table, in a notebook too.
+
+    Numbers are rounded as in a report, in printed units.
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        """Return that table as text, and how much there is beyond it."""
+        text: str = import_module(SHOWN_BY).shown_text(self)
+        return text
+
+    def _repr_html_(self) -> str:
+        """Return the same in HTML."""
+        html: str = import_module(SHOWN_BY).shown_html(self)
+        return html
 
 
 class Documented:

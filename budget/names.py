@@ -103,6 +103,45 @@ def time_text(time: float) -> str:
     return f"{value:.10g} {unit}"
 
 
+def spellings(name: Name) -> tuple[str, ...]:
+    """Return all that an output may be called: `mission.position.60 s` among it.
+
+    A time with or without its unit; of a length of a vector without its axis, too.
+    """
+    if name.time is None:
+        return (name,)
+    heads = [Name(name.quantity, owner=name.owner, axis=name.axis)]
+    if LENGTHS.get(name.quantity) == name.axis:
+        heads.append(name.group)
+    times = [f"{name.time / size:.10g} {unit}" for unit, size, _ in SPANS]
+    return tuple(
+        f"{head}.{at}" for head in heads for at in (f"{name.time:.10g}", *times)
+    )
+
+
+def with_parts(text: str, names: Iterable[Name]) -> list[Name]:
+    """Return those that begin or end with some parts: 'gyro.bias', 'bias.x', 'x'."""
+    begin, end = f"{text}.", f".{text}"
+    return [name for name in names if name.startswith(begin) or name.endswith(end)]
+
+
+def braced(names: Iterable[Name]) -> str:
+    """List outputs, those of one quantity in one.
+
+    'gyro.bias.{x, y, z}', 'mission.position.{north, east}.{10, 60}'.
+    """
+    found: dict[Name, tuple[dict[str, None], dict[str, None]]] = {}
+    for name in names:
+        axes, times = found.setdefault(name.group, ({}, {}))
+        axes[name.axis] = None
+        if name.time is not None:
+            times[f"{name.time:.10g}"] = None
+    return "; ".join(
+        ".".join([group, *(f"{{{', '.join(part)}}}" for part in parts if any(part))])
+        for group, parts in found.items()
+    )
+
+
 def _digits(quantity: tuple[float, str]) -> int:
     """Count the digits that the value of a quantity takes, zeros at its ends aside."""
     return len(f"{quantity[0]:.9e}".partition("e")[0].replace(".", "").rstrip("0"))

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
+from functools import cached_property
 from importlib import import_module
 from math import inf, prod
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from budget.documents import Documented, document, written
+from budget.documents import SHOWN_BY, Documented, Shown, document, written
 from budget.errors import NotThereError
 from budget.language import note
-from budget.names import Name
+from budget.names import Name, braced, spellings, with_parts
 from budget.problem import Output
 from budget.sentences import sentence
 from budget.ties import first_largest, from_largest, settle
@@ -35,15 +37,15 @@ if TYPE_CHECKING:
         Requirement,
     )
 
-# What draws a result stands above it, and is loaded when it is asked to.
-SHOWN_BY = "budget.report.notebook"
 INTERACTION = Name("interaction")  # the row of products of two sources
 TOTAL = Name("total")
 # Verdicts, best first; of parts put together the last one rules.
 VERDICTS = ("meets", "meets_if", "predicted", "undecided", "undecidable", "fails")
+NEAR = 3  # names that are like one that there is not
 TINY = 1e-300  # in the place of a utilisation of 0 [1]
 KEY = ("sensor", "parameter", "axis", "unit")  # of an output in every record
 AT_A_TIME = "time"  # further key of what is of a mission, after the axis
+TIME_COLUMN = "time [s]"  # the same in a pandas frame, whose heads have units
 OF_A_LENGTH = ("cep", "r95", "drms")  # further numbers of a length
 COLUMNS = (  # of the flat records
     *KEY,
@@ -75,22 +77,13 @@ written(
 )(tuple)
 
 
-class Tabled(Documented):
-    """A result of a study that a notebook shows as a table."""
-
-    def __repr__(self) -> str:
-        """Name it, for whom the whole of it would be pages long."""
-        return f"<{type(self).__name__}; to_frame() and to_dict() have its numbers>"
+class Tabled(Shown, Documented):
+    """A result of a study that is a table."""
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the rows of its CSV document as a pandas frame, in printed units."""
+        """Return its rows as a pandas frame, in printed units."""
         table: pd.DataFrame = import_module(SHOWN_BY).study_frame(self)
         return table
-
-    def _repr_html_(self) -> str:
-        """Return that table, as notebooks show it."""
-        html: str = self.to_frame().to_html(na_rep="")
-        return html
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -270,8 +263,8 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
     validation: of the law against Monte Carlo; null where that was not asked for
     """,
 )
-@dataclass(frozen=True, kw_only=True)
-class OutputBudget:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class OutputBudget(Shown):
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
     output: Output
@@ -840,8 +833,8 @@ class Filtered:
     """,
     said="A line in the place of an expected one that is not given.",
 )
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Budget(Documented):
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Budget(Shown, Documented):
     """The error budget of a calibration: every output, and how they go together.
 
     Or of a mission after it, whose outputs are errors of navigation at some times.
@@ -891,23 +884,53 @@ class Budget(Documented):
         safe = np.where(u > 0.0, u, np.inf)
         return np.asarray(self.covariance / np.outer(safe, safe))
 
+    @cached_property
+    def _by_name(self) -> dict[str, OutputBudget]:
+        """Outputs by all that each may be called."""
+        return {
+            name: row for row in self.outputs for name in spellings(row.output.name)
+        }
+
     def output(self, name: str) -> OutputBudget:
-        """Return the budget of one output by its dotted name.
+        """Return the budget of one output by its dotted name, as `budget[name]` does.
+
+        Of a mission the time may have its unit, 'mission.position.north.1 min', and the
+        length of the horizontal vector no axis: 'mission.position.60 s'.
 
         Raises
         ------
         CallError
             There is none; it is a KeyError as well.
         """
-        for row in self.outputs:
-            if row.output.name == name:
-                return row
-        there = ", ".join(row.output.name for row in self.outputs)
-        raise NotThereError(f"found {name!r}, this budget has: {there}")
+        if name not in self._by_name:
+            text = str(name)
+            near = with_parts(text, self) or get_close_matches(text, self._by_name)
+            meant = " or ".join(repr(str(one)) for one in near[:NEAR])
+            raise NotThereError(
+                f"found {name!r}, no output of this budget"
+                f"{f'; did you mean {meant}?' if meant else '.'} It has {braced(self)}"
+            )
+        return self._by_name[name]
 
-    def __repr__(self) -> str:
-        """Name it; `to_frame`, `to_markdown` and a notebook show its numbers."""
-        return f"<budget of {self.title}, {len(self.outputs)} outputs>"
+    def __getitem__(self, name: str) -> OutputBudget:
+        """Return the budget of one output. Raises as `output`."""
+        return self.output(name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is an output of that name."""
+        return name in self._by_name
+
+    def __iter__(self) -> Iterator[Name]:
+        """Yield the names of the outputs, as a mapping does."""
+        return (row.output.name for row in self.outputs)
+
+    def __len__(self) -> int:
+        """Count the outputs."""
+        return len(self.outputs)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return what may stand in brackets: what a notebook completes."""
+        return [*map(str, self)]
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -952,12 +975,13 @@ class Budget(Documented):
         return found
 
     def to_frame(self) -> pd.DataFrame:
-        """Return `rows()` as a tidy pandas frame, in printed units."""
+        """Return `rows()` as a tidy pandas frame, in the units of its column `unit`."""
         import pandas as pd
 
-        return pd.DataFrame.from_records(list(self.rows()))
+        table = pd.DataFrame.from_records(list(self.rows()))
+        return table.rename(columns={AT_A_TIME: TIME_COLUMN})
 
-    @property
+    @cached_property  # which a notebook completes, unlike a property
     def plot(self) -> Any:  # noqa: ANN401 - Plots, of a floor above this one
         """The figures of the report, `plot.contributions()`: matplotlib Figures."""
         return import_module(SHOWN_BY).Plots(self)
@@ -984,11 +1008,6 @@ class Budget(Documented):
         """
         path: Path = import_module(SHOWN_BY).write_xlsx(self, file)
         return path
-
-    def _repr_html_(self) -> str:
-        """Return a small table, as notebooks show it."""
-        table: str = import_module(SHOWN_BY).budget_html(self)
-        return table
 
 
 @written(

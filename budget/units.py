@@ -325,6 +325,14 @@ def size_of(unit: str) -> float:
 
 
 @lru_cache(maxsize=1024)
+def si_unit(like: str) -> str:
+    """Return the SI unit of what a unit is of, '1' of a ratio; 'SI' where none is."""
+    units = kind_of(like).units
+    if "%" in units:
+        return "1"
+    return next((unit for unit in units if size_of(unit) == 1.0), "SI")
+
+
 def kind_of(like: str) -> Kind:
     """Return the kind of quantity that `like` is a unit of."""
     return next(k for k in KINDS if _dimension(k.units[0]) == _dimension(like))

@@ -1,12 +1,17 @@
 """The site of these pages: `python -m sphinx -W docs site`, with the extra [docs].
 
 The pages are Markdown that any viewer shows; what only the site has is made here: the
-tree of pages from the lists of index.md, and the docstrings behind library.md.
+tree of pages from the lists of index.md, the docstrings behind library.md, and the
+page of the notebook.
 """  # noqa: INP001 - a script, no package
 
 from __future__ import annotations
 
+import json
 import re
+from base64 import b64encode
+from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import budget
@@ -14,6 +19,7 @@ import budget
 if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
+DOCS = Path(__file__).resolve().parent
 project = "sins-budget"
 version = release = budget.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
@@ -52,8 +58,29 @@ def add_docstrings(text: str) -> str:
     return "\n".join([text, "```{eval-rst}", *parts, "```", ""])
 
 
+def add_session(_text: str) -> str:
+    """Return the notebook as a page: its words, its code, what the code printed."""
+    book = json.loads((DOCS / "notebook.ipynb").read_text(encoding="utf-8"))
+    parts = []
+    for cell in book["cells"]:
+        source = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(source)
+            continue
+        parts.append(f"```python\n{source}\n```")
+        for output in cell["outputs"]:
+            found = {kind: "".join(text) for kind, text in output["data"].items()}
+            html = found.get("text/html", "")
+            if svg := found.get("image/svg+xml"):
+                drawn = b64encode(svg.encode()).decode()
+                alt = escape(found["text/plain"].strip("<>"))
+                html = f'<img alt="{alt}" src="data:image/svg+xml;base64,{drawn}">'
+            parts.append(f"```{{raw}} html\n{html}\n```")
+    return "\n\n".join([*parts, ""])
+
+
 BEYOND = re.compile(r"\[([^]]+)\]\(\.\./([^)]+\.md)\)")
-ADDED = {"index": add_tree, "library": add_docstrings}
+ADDED = {"index": add_tree, "library": add_docstrings, "notebook": add_session}
 
 
 def add(_app: Sphinx, name: str, source: list[str]) -> None:

@@ -65,7 +65,8 @@ def pytest_collection_finish() -> None:
 # takes from the end of what another has: the tests of the first module stay together,
 # whose one run of all commands each worker would make for itself.
 LONG = ("test_wheel", "test_processors", "test_least_squares", "test_cost")
-LONG += ("test_readme", "test_budgets")
+LONG += ("test_readme", "test_budgets", "test_missions", "test_docs")
+LONG += ("test_of_both", "test_prediction")
 
 
 def pytest_collection_modifyitems(items) -> None:

@@ -58,7 +58,14 @@ PRINTING = {
 # And of every command that writes files: the options that name them come last.
 WRITING = {
     "analyze": ("analyze", "--no-validate", "--json", "a.json", "--csv", "a.csv"),
-    "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
+    "allocate": (
+        *("allocate", *GRADE, "--no-validate", "--json", "a.json"),
+        *("-o", "a.html"),
+    ),
+    "check": (
+        *("check", "zhao-2019-eq4-nominal", "--json", "a.json"),
+        *("-o", "a.html"),
+    ),
     "compare": ("compare", "zhao-2019", *GRADE, *GUM, "-o", "a.html"),
     "decide": ("decide", "catalogue-edge", "zhao-2019", "-o", "a.html"),
     "devices": ("devices", "--json", "a.json"),
@@ -67,11 +74,11 @@ WRITING = {
     "diff": ("diff", "hg4930#A", "hg4930#C", "--json", "a.json"),
     "station": (
         *("station", "zhao-2019", "--requirement", "tactical-grade"),
-        *("--json", "a.json", "--write", "a.yaml"),
+        *("--json", "a.json", "--write", "a.yaml", "-o", "a.html"),
     ),
     "mission": (
         *("mission", "--mission", "outage-10-s", "--no-validate"),
-        *("--json", "a.json", "--csv", "a.csv"),
+        *("--json", "a.json", "--csv", "a.csv", "-o", "a.html"),
     ),
     "new": ("new", "--force", "--line", "gyro.bias_stability=1 deg/h", "a.yaml"),
     "export": (

@@ -26,8 +26,14 @@ CALLS = {
         *("analyze", "--method", "monte-carlo", "--trials", "50000"),
         *("--workers", "2"),
     ),
-    "allocate": ("allocate", *GRADE, "--no-validate", "--json", "a.json"),
-    "station": ("station", *GRADE, "--write", "a.yaml", "--json", "a.json"),
+    "allocate": (
+        *("allocate", *GRADE, "--no-validate"),
+        *("--json", "a.json", "-o", "a.html"),
+    ),
+    "station": (
+        *("station", *GRADE, "--write", "a.yaml"),
+        *("--json", "a.json", "-o", "a.html"),
+    ),
     "export": (
         *("export", "hg4930#A", "--to", "gtsam", "--residual"),
         *("-o", "a.py", "--json", "a.json"),
@@ -43,10 +49,13 @@ CALLS = {
         *("report", "--no-validate", *GRADE),
         *("-o", "a.html", "-o", "a.pdf"),
     ),
-    "mission": ("mission", "--mission", "bench", "--no-validate", "--json", "a.json"),
+    "mission": (
+        *("mission", "--mission", "bench", "--no-validate"),
+        *("--json", "a.json", "-o", "a.html"),
+    ),
     "validate": ("validate", "zhao-2019"),
     "schema": ("schema", "device"),
-    "check": ("check",),
+    "check": ("check", "-o", "a.html"),
     "diff": ("diff", "hg4930#A", "hg4930#C"),
     "new": ("new", "a.yaml", "--line", "gyro.bias_stability=1 deg/h"),
 }

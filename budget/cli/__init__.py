@@ -28,6 +28,7 @@ from budget.cli.mission import mission
 from budget.cli.new import new
 from budget.cli.paper import paper
 from budget.cli.report import report
+from budget.cli.space import LEAST_SPACE, check_space
 from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, talk, tell
 from budget.errors import BudgetError, CallError, WorkerError
@@ -47,11 +48,6 @@ EXIT_SIGNAL = 128  # and the number of the signal, as shells count
 EXIT_INTERRUPTED = 130  # SIGINT
 EXIT_FAULT = 70  # of the program itself, as sysexits.h has it
 LONGEST_WORD = 4096  # characters of an argument: no path that can be opened is longer
-# Address space with which a command ends: Python and the libraries, which set it aside
-# without touching it, and for pages what draws them; each a tenth more [byte].
-LEAST_SPACE = 480 * 1024**2
-SPACE_OF_PAGES = 800 * 1024**2
-WITH_PAGES = ("report", "compare", "decide", "paper")
 GARBAGE = 100_000  # new objects before circles among them are looked for
 DETAILS = "BUDGET_TRACEBACK"  # environment variable: print where a fault arose
 ENDINGS = {129: "hung up", EXIT_INTERRUPTED: "interrupted", 143: "ended on request"}
@@ -166,7 +162,6 @@ def _print_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so
 
 @app.callback()
 def _root(
-    ctx: typer.Context,
     *,
     version: bool = typer.Option(  # noqa: ARG001 - typer asks it
         False,  # noqa: FBT003 - typer's own form
@@ -177,28 +172,7 @@ def _root(
     ),
 ) -> None:
     """Error budgets for the discrete turntable calibration of strapdown IMUs."""
-    with_pages = ctx.invoked_subcommand in WITH_PAGES
-    _check_space(SPACE_OF_PAGES if with_pages else LEAST_SPACE)
-
-
-def _check_space(least: int) -> None:
-    """Refuse limits of memory under which matrix libraries wait for ever, or end all.
-
-    They ask for room by themselves when they are loaded, and do not take no for an
-    answer: this stands before their import.
-    """
-    try:
-        import resource
-    except ImportError:  # a system without such limits
-        return
-    for name, option in (("RLIMIT_AS", "-v"), ("RLIMIT_DATA", "-d")):
-        limit, _ = resource.getrlimit(getattr(resource, name))
-        if limit != resource.RLIM_INFINITY and limit < least:
-            raise WorkerError(
-                f"ulimit {option} leaves this process {limit // 1024} kB of memory, "
-                f"expected {least // 1024} kB at the least, which the matrix "
-                f"libraries set aside; raise it (ulimit {option} unlimited)"
-            )
+    check_space(LEAST_SPACE)
 
 
 def _check_epoch() -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 
 def allocate(
+    context: typer.Context,
     devices: options.Devices = None,
     *,
     changes: options.Changes = None,
@@ -88,6 +89,9 @@ def allocate(
     no_validate: options.NoValidate = False,
     accept: options.Accept = "meets",
     full: options.Full = False,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -99,16 +103,26 @@ def allocate(
     the requirement cannot be met.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, check_yaml, hand_out
+    from budget.cli.output import (
+        check_destinations,
+        check_yaml,
+        hand_out,
+        pages_asked,
+    )
     from budget.inputs import load_costs, load_requirement
     from budget.report.allocation.document import allocated_device
-    from budget.report.allocation.page import allocation_answer
+    from budget.report.allocation.page import (
+        allocation_answer,
+        allocation_document,
+    )
     from budget.report.document import json_text, table_csv
+    from budget.report.rendering import check_suffixes
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
     from budget.studies.request import find_sources, sensors_of, source_names
 
-    others = () if write is None else (write,)
+    others = (*(output or ()), *(() if write is None else (write,)))
+    check_suffixes(output or [], paper)
     check_destinations(
         json,
         csv,
@@ -153,7 +167,8 @@ def allocate(
         title=allocation.title,
         language=language,
     )
-    written: dict[Path, str | bytes] = {}
+    make = partial(allocation_document, allocation)
+    written = pages_asked(context, output, paper, language, make)
     if write is not None and allocation.feasible:
         written[write] = _read_back(allocated_device(allocation), write)
     documents = (
@@ -165,9 +180,10 @@ def allocate(
         if not allocation.is_met(options.accepted(accept)):
             raise typer.Exit(options.EXIT_NOT_MET)
         return
-    show([one for one in documents if one[0] == options.STDOUT])
+    show([one for one in documents if one[0] == options.STDOUT], pages=written)
     if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
-        talk("the requirement cannot be met: no file was written")
+        other = "other " if written else ""
+        talk(f"the requirement cannot be met: no {other}file was written")
     raise typer.Exit(options.EXIT_NOT_MET)
 
 

@@ -78,7 +78,7 @@ def compute(
     age: str | None,
     environment: str | None,
     asked: options.Asked,
-    documents: tuple[Path | None, Path | None],
+    documents: tuple[Path | None, Path | None, *tuple[Path, ...]],
     command: str,
 ) -> Budget:
     """Load what is named and compute its budget, of a mission where there is one."""

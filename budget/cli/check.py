@@ -12,11 +12,12 @@ from budget.cli import options
 from budget.cli.streams import in_line, talk, tell
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from budget.inputs.files import NamedFile
     from budget.references.difference import Difference
     from budget.references.records import Job, Role, StoredInput
+    from budget.results import InputFile
 
 
 EXIT_MOVED = 1
@@ -37,6 +38,7 @@ SchemaKind = Literal[
 
 
 def check(
+    context: typer.Context,
     names: Annotated[
         list[str] | None,
         typer.Argument(
@@ -159,6 +161,9 @@ def check(
     workers: options.Workers = 1,
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
 ) -> None:
     """Hold stored budgets against their files as they are now.
@@ -170,6 +175,9 @@ def check(
     With --save a budget is stored: `budget check --save ref.json DEVICE...`. The law is
     stored without its check by Monte Carlo, an allocation without its correction.
     """
+    from budget.cli.output import pages_asked
+    from budget.report.rendering import check_suffixes
+
     files: dict[Role, list[str]] = {
         "device": names or [],
         "procedure": procedure or [],
@@ -194,7 +202,7 @@ def check(
     }
     given = {name: value for name, value in settings.items() if value is not None}
     if save is not None:
-        documents = (json, csv)
+        documents = (json, csv, *(output or ()))
         _save(
             save,
             kind or ("mission" if mission else "analyze"),
@@ -212,8 +220,16 @@ def check(
             "settings are those of the stored references and cannot be given to a "
             "check; leave them out, or store a new reference with --save FILE"
         )
+    check_suffixes(output or [], paper)
     _check(
-        names or [], root=root, json=json, csv=csv, workers=workers, language=language
+        names or [],
+        root=root,
+        json=json,
+        csv=csv,
+        output=output or [],
+        render=partial(pages_asked, context, output, paper, language),
+        workers=workers,
+        language=language,
     )
 
 
@@ -229,7 +245,7 @@ def _save(
     kind: Job,
     files: dict[Role, list[str]],
     given: dict[str, Any],
-    documents: tuple[Path | None, Path | None],
+    documents: tuple[Path | None, ...],
     *,
     changes: Sequence[str],
     workers: int,
@@ -243,10 +259,10 @@ def _save(
     from budget.references.store import parse_reference, reference_text
     from budget.report.files import write_all
 
-    if documents != (None, None):
+    if any(documents):
         raise CallError(
-            "--json and --csv are for checks, a reference is a document itself; leave "
-            "them out"
+            "--json, --csv and -o are for checks, a reference is a document itself; "
+            "leave them out"
         )
     if path.suffix.lower() != SUFFIX:
         raise CallError(
@@ -308,6 +324,8 @@ def _check(
     root: Path | None,
     json: Path | None,
     csv: Path | None,
+    output: list[Path],
+    render: Callable[..., dict[Path, str | bytes]],
     workers: int,
     language: str,
 ) -> None:
@@ -316,25 +334,27 @@ def _check(
     from budget.cli.output import check_destinations, hand_out
     from budget.errors import BudgetError
     from budget.references.check import check as run
-    from budget.references.files import find_references
+    from budget.references.files import find_references, named_reference
     from budget.references.store import read_reference
     from budget.report.document import json_of, table_csv
     from budget.report.reference.document import moved
-    from budget.report.reference.sections import check_sections
+    from budget.report.reference.sections import check_document, check_sections
 
     checks: list[Difference] = []
     errors: list[str] = []
     found: list[NamedFile] = []
+    files: list[InputFile] = []
     for wanted in names or (None,):
         try:
             found.extend(find_references(wanted))
         except BudgetError as error:
             errors.append(str(error))
-    check_destinations(json, csv, inputs=[one.path for one in found])
+    check_destinations(json, csv, *output, inputs=[one.path for one in found])
     with progress() as show:
         for done, one in enumerate(found, start=1):
             try:
                 stored = read_reference(one.path, one.shown)
+                files.append(named_reference(one))
                 folder = one.path.parent
                 checks.append(
                     run(stored, folder, name=one.shown, workers=workers, root=root)
@@ -350,6 +370,7 @@ def _check(
             (csv, lambda: table_csv("moved", moved(checks))),
         ],
         lambda: check_sections(checks, len(errors)),
+        pages=render(partial(check_document, checks, errors, files)),
         language=language,
     )
     if errors:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -68,14 +69,13 @@ def decide(
     if nothing meets.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import check_destinations, command_line, hand_out, pages_of
+    from budget.cli.output import check_destinations, hand_out, pages_asked
     from budget.errors import CallError, SpecError
     from budget.inputs import load_catalogue, load_requirement
     from budget.inputs.load import shipped_path, try_changed
-    from budget.language import speaking
     from budget.report.decision import decision_answer, decision_document
     from budget.report.document import json_text, table_csv
-    from budget.report.rendering import check_suffixes, document_date
+    from budget.report.rendering import check_suffixes
     from budget.studies.decide import decide as run
 
     files = [*(devices or ()), *(procedure or ()), mission, station, requirement]
@@ -104,19 +104,14 @@ def decide(
             workers=engine.workers,
             progress=engine.progress,
         )
-    pages: dict[Path, str | bytes] = {}
-    if output:
-        command = command_line(context)
-        with speaking(language):
-            made = decision_document(found, date=document_date(), command_line=command)
-        pages = pages_of(made, output, paper)
+    make = partial(decision_document, found)
     hand_out(
         (
             (json, lambda: json_text(found.to_dict())),
             (csv, lambda: table_csv("offer", found.offers)),
         ),
         lambda: decision_answer(found),
-        pages=pages,
+        pages=pages_asked(context, output, paper, language, make),
         language=language,
     )
     if found.not_compared or found.verdict not in options.accepted(accept):

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
+
+import typer  # noqa: TC002 - typer reads the annotations
 
 from budget.cli import options
 from budget.cli.analyze import compute
@@ -11,6 +14,7 @@ from budget.cli.analyze import compute
 
 @options.spell_out_but("reference", "outputs", "matrices")
 def mission(
+    context: typer.Context,
     devices: options.Devices = None,
     *,
     mission: Annotated[Path, options.MISSION],
@@ -26,6 +30,9 @@ def mission(
     exit_code: options.ExitCode = False,
     accept: options.Accept = "meets",
     full: options.Full = False,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -37,8 +44,11 @@ def mission(
     limits on a mission in the requirement the verdict comes first; the exit code is 0
     whatever it is, but for --exit-code.
     """
-    from budget.cli.output import deliver
+    from budget.cli.output import deliver, pages_asked
+    from budget.report.analysis.mission import mission_document
+    from budget.report.rendering import check_suffixes
 
+    check_suffixes(output or [], paper)
     options.check_exit_code(requirement, exit_code=exit_code, accept=accept)
     budget = compute(
         devices,
@@ -52,8 +62,16 @@ def mission(
         age=age,
         environment=environment,
         asked=asked,
-        documents=(json, csv),
+        documents=(json, csv, *(output or ())),
         command="mission",
     )
-    deliver(budget, json=json, csv=csv, full=full, language=language)
+    make = partial(mission_document, budget)
+    deliver(
+        budget,
+        json=json,
+        csv=csv,
+        pages=pages_asked(context, output, paper, language, make),
+        full=full,
+        language=language,
+    )
     options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)

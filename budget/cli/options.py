@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_type_hints
 
 import typer
 
+from budget.cli.space import SPACE_OF_PAGES, check_space
 from budget.cli.streams import talk
 
 if TYPE_CHECKING:
@@ -304,10 +305,20 @@ REQUIREMENT: Any = judged(
     help="Requirement file; its coverage and error reference rule.",
 )
 RequirementFile = Annotated[Path | None, REQUIREMENT]
+
+
+def _with_room(paths: list[Path] | None) -> list[Path] | None:
+    """Refuse pages where no memory is left for what draws them."""
+    if paths:
+        check_space(SPACE_OF_PAGES)
+    return paths
+
+
 OUTPUT: Any = written(
     "-o",
     "--output",
     metavar="FILE",
+    callback=_with_room,
     help="Report to write, .html or .pdf; may be given again.",
     show_default=False,
 )

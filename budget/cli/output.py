@@ -127,6 +127,7 @@ def deliver(
     json: Path | None,
     csv: Path | None,
     full: bool = False,
+    pages: Mapping[Path, str | bytes] | None = None,
     language: str = ENGLISH,
 ) -> None:
     """Print the budget for people, or the document asked for; write the files."""
@@ -143,7 +144,7 @@ def deliver(
         for text in budget.warnings:
             talk(f"warning: {text}")
     documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
-    hand_out(documents, sections, title=budget.title, language=language)
+    hand_out(documents, sections, title=budget.title, pages=pages, language=language)
 
 
 def check_yaml(write: Path | None, kind: str) -> None:
@@ -174,10 +175,30 @@ def pages_of(
     )
 
 
+def pages_asked(
+    context: typer.Context,
+    paths: Sequence[Path] | None,
+    paper: str,
+    language: str,
+    make: Callable[..., Document],
+) -> dict[Path, str | bytes]:
+    """Return the contents of the files that were asked for, none where there are none.
+
+    `make` takes `date` and `command_line`, and returns what is in them.
+    """
+    from budget.report.rendering import document_date
+
+    if not paths:
+        return {}
+    with speaking(language):
+        made = make(date=document_date(), command_line=command_line(context))
+    return pages_of(made, paths, paper)
+
+
 # Where results go, on what sheets, and who computes them changes no number.
 WITHOUT_EFFECT = frozenset(
     {"output", "paper", "json", "csv", "workers", "cluster", "accept", "exit_code"}
-    | {"full"}
+    | {"full", "write"}
 )
 # Of these a slash is that of a unit, not of a folder.
 LITERAL = frozenset({"changes", "only", "outputs", "number"})

@@ -265,13 +265,8 @@ def _mission_extra(carried: Budget) -> Extra:
     """Return a mission as a part of the report: its section and its document."""
     from budget.report.analysis.build import Extra
     from budget.report.analysis.mission import mission_figures, mission_section
-    from budget.studies.mission import curve, drawn_times
-    from budget.studies.request import analysis_of
 
-    analysis = analysis_of(carried)
-    asked = sorted({row.output.name.time or 0.0 for row in carried.outputs})
-    times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
-    figures = mission_figures(carried, curve(analysis, times))
+    figures = mission_figures(carried)
     return Extra(
         key="mission",
         content=carried.to_dict(),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -46,6 +47,7 @@ def _guard(text: str) -> float:
 
 
 def station(
+    context: typer.Context,
     devices: options.Devices = None,
     *,
     changes: options.Changes = None,
@@ -99,6 +101,9 @@ def station(
         ),
     ] = None,
     full: options.Full = False,
+    output: Annotated[list[Path] | None, options.OUTPUT] = None,
+    paper: options.Paper = "a4",
+    _templates: options.Templates = None,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -108,16 +113,27 @@ def station(
     The station's part is to be at most 1/N of each limit. Exit code 1 if no station
     does, that of the procedure among them.
     """
-    from budget.cli.output import check_destinations, check_yaml, hand_out
+    from budget.cli.output import (
+        check_destinations,
+        check_yaml,
+        hand_out,
+        pages_asked,
+    )
     from budget.errors import SpecError
     from budget.inputs import load_requirement, load_station, load_stations
     from budget.inputs.load import try_all
     from budget.report.document import json_text, table_csv
-    from budget.report.stations import station_answer, station_yaml
+    from budget.report.rendering import check_suffixes
+    from budget.report.stations import (
+        station_answer,
+        station_document,
+        station_yaml,
+    )
     from budget.studies.stations import GUARD, RATIO, qualify
 
-    others = () if write is None else (write,)
+    others = (*(output or ()), *(() if write is None else (write,)))
     given = stations or []
+    check_suffixes(output or [], paper)
     check_destinations(
         json,
         csv,
@@ -144,6 +160,8 @@ def station(
         strategy=strategy,
         stations=(*load_stations(), *more),
     )
+    written = {} if write is None else {write: station_yaml(found)}
+    make = partial(station_document, found)
     hand_out(
         (
             (json, lambda: json_text(found.to_dict())),
@@ -151,7 +169,7 @@ def station(
         ),
         lambda: station_answer(found, full=full),
         title=found.title,
-        pages={} if write is None else {write: station_yaml(found)},
+        pages=written | pages_asked(context, output, paper, language, make),
         language=language,
     )
     if not found.doing:

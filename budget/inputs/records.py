@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from budget.documents import written
+from budget.documents import Shown, written
 from budget.errors import CallError
 from budget.model.place import Place
 from budget.model.source import Given
@@ -220,8 +220,8 @@ class Origin:
         return tuple(text for one in self.changes for text in one.texts)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Device:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Device(Shown):
     """One device file, one variant of it.
 
     Texts that say what it is and costs move no number; they are '' where not given.

@@ -22,6 +22,7 @@ from budget.model.sources import STATION
 from budget.references.exchange import effective
 from budget.references.records import StoredInput
 from budget.resources import shipped
+from budget.results import InputFile
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,6 +42,12 @@ def shipped_references() -> tuple[NamedFile, ...]:
         NamedFile(path=path, shown=path.stem, variant="")
         for path in sorted((shipped("specs") / FOLDER).glob(f"*{SUFFIX}"))
     )
+
+
+def named_reference(one: NamedFile) -> InputFile:
+    """Return a reference by its base name and the hash of its bytes."""
+    digest = sha256(one.path.read_bytes()).hexdigest()
+    return InputFile(role="reference", name=one.path.name, sha256=digest)
 
 
 def find_references(name: str | None) -> tuple[NamedFile, ...]:

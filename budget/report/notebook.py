@@ -9,16 +9,21 @@ from datetime import datetime
 from html import escape
 from importlib.util import find_spec
 from io import BytesIO, StringIO
+from itertools import repeat
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from budget.errors import CallError
+from budget.inputs.records import Device
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
-from budget.names import Name
+from budget.names import HORIZONTAL, LENGTHS, Name
 from budget.report.analysis.build import report_document
 from budget.report.analysis.verdict import headline
-from budget.report.blocks import Cell
+from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
@@ -29,6 +34,7 @@ from budget.report.figures.contributions import (
     waterfall_chart,
 )
 from budget.report.figures.density import density_step
+from budget.report.figures.growth import Growth, growth_figure, shares_figure
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -38,18 +44,29 @@ from budget.report.figures.rows import draw
 from budget.report.figures.sources import coupling_chart, share_chart, sobol_chart
 from budget.report.figures.timeline import schedule_chart
 from budget.report.files import check_targets, write_all
-from budget.report.pages import blocks, line
+from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import AT_LEAST, group_tables
-from budget.results import COLUMNS, worst_of
+from budget.report.tables import (
+    AT_LEAST,
+    bound_number,
+    group_tables,
+    round_u,
+    round_value,
+)
+from budget.report.terminal import Page, print_blocks
+from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
 from budget.studies.coupling import coupling_by_law
+from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
 from budget.studies.export.study import Export
+from budget.studies.mission import Curve, drawn_times, growth
 from budget.studies.request import analysis_of
 from budget.studies.stations import Qualification
+from budget.ties import first_largest
+from budget.units import si_unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -57,11 +74,18 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+    from budget.documents import Shown
+    from budget.report.blocks import Block, Words
     from budget.report.figures.rows import Chart
-    from budget.report.tables import GroupTable
-    from budget.results import Budget, Tabled
+    from budget.report.tables import GroupTable, OutputRow
+    from budget.results import OutputAssessment, Tabled
 
 T = TypeVar("T")
+MOST = 10  # rows of a small table
+WARNINGS = 2  # below it, of a prompt
+LEAST_WIDTH, MOST_WIDTH = 60, 100  # of a prompt [columns]
+ALIGNED = {"text": "left", "number": "right", "unit": "center"}
+FAR = ("position", LENGTHS["position"])
 COMMAND = "budget.report (Python)"  # in the place of a command line
 
 
@@ -100,45 +124,186 @@ def _warn(path: Path, text: str) -> None:
     warnings.warn(f"{path}: {text}", stacklevel=4)
 
 
-def budget_html(budget: Budget) -> str:
-    """Return a small table: of each group the output that is known least.
+# ---- What a prompt and a notebook print of a result ----------------------------------
+
+
+def shown_text(found: Shown) -> str:
+    """Return a small table of a record and how many rows it has beyond that."""
+    from rich.console import Console
+
+    text = StringIO()
+    room = get_terminal_size((MOST_WIDTH, 0)).columns
+    width = min(max(room, LEAST_WIDTH), MOST_WIDTH)
+    console = Console(file=text, width=width, color_system=None, force_jupyter=False)
+    print_blocks(_shown(found, WARNINGS), Page(console))
+    return text.getvalue().rstrip()
+
+
+def shown_html(found: Shown) -> str:
+    """Return the same in HTML, with every warning.
 
     Its texts may come from anywhere: all are escaped. It loads nothing.
     """
-    heads, *rows = _texts(budget, widest=True)
-    said = [] if budget.assessment is None else [headline(budget, budget.assessment)]
-    said += [line("notebook", "warning", text=text) for text in budget.warnings]
+    return "".join(map(_html, _shown(found, None)))
+
+
+def _shown(found: Any, warnings: int | None) -> tuple[Block, ...]:  # noqa: ANN401 - Shown
+    """Return what is printed of a record, with so many of its warnings."""
+    macro, read, *more = SHOWN[type(found)]
+    rows = tuple(read(found))
+    view = more[0](found, rows) if more else {}
+    rest = view.pop("many", len(rows)) - len(rows[:MOST])
+    view |= {"found": found, "rows": rows[:MOST], "rest": rest}
+    own = blocks("notebook", macro, **view)
+    if not isinstance(found, Budget):
+        return own
+    said = found.warnings[:warnings]
+    more_of = len(found.warnings) - len(said)
+    verdict = found.assessment and headline(found, found.assessment)
     return (
-        f"<table><caption>{escape(budget.title)}, {escape(budget.settings.reference)}"
-        "</caption><thead><tr>"
-        + "".join(f"<th>{escape(head)}</th>" for head in heads)
-        + "</tr></thead><tbody>"
-        + "".join(
-            "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
-            for row in rows
-        )
-        + "</tbody></table>"
-        + "".join(f"<p>{escape(text)}</p>" for text in said)
+        *own,
+        *([Paragraph(words=(verdict,))] if verdict else ()),
+        *blocks("notebook", "warned", warnings=said, rest=more_of),
     )
 
 
-def _lines(budget: Budget, *, widest: bool = False) -> list[tuple[Cell, ...]]:
+def _html(block: Block) -> str:
+    """Write a block of a small table."""
+    match block:
+        case Table():
+            head = "".join(f"<th>{escape(one.head)}</th>" for one in block.columns)
+            rows = (
+                "".join(
+                    f'<td style="text-align: {ALIGNED[column.kind]}">'
+                    f"{escape(cell.text)}</td>"
+                    for column, cell in zip(block.columns, row, strict=True)
+                )
+                for group in block.groups
+                for row in group.rows
+            )
+            body = "".join(f"<tr>{row}</tr>" for row in rows)
+            return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        case Pairs(rows=pairs):
+            return "".join(
+                f"<p>{escape(term)}: {_words(words)}</p>" for term, words in pairs
+            )
+        case Paragraph(words=words):
+            return f"<p>{_words(words)}</p>"
+    raise TypeError(f"{type(block).__name__} is no part of a small table")
+
+
+def _words(words: Words) -> str:
+    """Write a line of a small table."""
+    return "".join(
+        f"<b>{escape(one.text)}</b>"
+        if isinstance(one, Run) and one.strong
+        else escape(one if isinstance(one, str) else getattr(one, "text", ""))
+        for one in words
+    )
+
+
+Line = tuple["GroupTable", "OutputRow", "OutputBudget"]
+
+
+def _matter(budget: Budget) -> Iterator[Line]:
+    """Yield of each parameter the output that uses most of its limit, or is widest.
+
+    Of a mission the horizontal position at all times, then what else there is at last.
+    """
+    limits = _limits(budget)
+    lines = [
+        [*zip(repeat(group), group.rows, group.outputs, strict=False)]
+        for group in group_tables(budget)
+    ]
+    if budget.mission is None:
+        for own in lines:
+            judged = [limits.get(output.output.name) for _, _, output in own]
+            sizes = [
+                (0.0 if limit is None else limit.utilisation, output.largest_error)
+                for limit, (_, _, output) in zip(judged, own, strict=True)
+            ]
+            by = 0 if any(judged) else 1
+            yield own[first_largest([size[by] for size in sizes])]
+        return
+    flat = [line for own in lines for line in own]
+    last = max(output.output.name.time or 0.0 for _, _, output in flat)
+    names = [output.output.name for _, _, output in flat]
+    far = [(name.quantity, name.axis) == FAR for name in names]
+    yield from (line for line, is_far in zip(flat, far, strict=True) if is_far)
+    for line, name, is_far in zip(flat, names, far, strict=True):
+        if name.time == last and name.axis not in HORIZONTAL and not is_far:
+            yield line
+
+
+def _limits(budget: Budget) -> dict[Name, OutputAssessment]:
+    """Return what is limited of a budget, by the names of outputs."""
+    found = budget.assessment
+    return {} if found is None else {row.output.name: row for row in found.outputs}
+
+
+def _one_output(found: OutputBudget, _: object) -> dict[str, object]:
+    """Return the numbers of an output, rounded, and its unit in SI."""
+    unit = found.output.si_per_unit
+    u = found.standard_uncertainty
+    ends = {"mean": found.mean, "low": found.interval[0], "high": found.interval[1]}
+    own = {
+        name: round_value(value / unit, u / unit, resolution=found.output.resolution)
+        for name, value in ends.items()
+    }
+    number = bound_number(
+        round_u(u, found.output),
+        lower_bound=found.lower_bound,
+        unknown=found.is_unknown,
+    )
+    return {"own": {**own, "u": number.text}, "si": si_unit(found.output.unit)}
+
+
+def _grown(found: Curve) -> list[tuple[object, ...]]:
+    """Return rows of a curve at times that are spread over it evenly, the last too."""
+    kept = np.unique(np.linspace(0, len(found.times) - 1, MOST).round().astype(int))
+    columns = (
+        *(np.array(found.times), found.radius(CEP), found.radius(R95), found.drms()),
+        *(found.drms("velocity"), np.array(found.dominant, dtype=object)),
+    )
+    return [*zip(*(column[kept].tolist() for column in columns), strict=True)]
+
+
+# What is printed of a record: the macro that prints it, its rows, and what besides.
+SHOWN: dict[type, Any] = {
+    Budget: (
+        "budget",
+        _matter,
+        lambda found, _: {"limits": _limits(found), "many": len(found)},
+    ),
+    OutputBudget: ("output", lambda found: found.ranked, _one_output),
+    Curve: ("growth", _grown, lambda found, _: {"many": len(found.times)}),
+    Device: (
+        "device",
+        lambda found: [(one.kind, line) for one in found.sensors for line in one.lines],
+    ),
+    Comparison: ("devices", offers_of),
+    Decision: ("devices", lambda found: found.offers),
+    Allocation: ("allocation", lambda found: found.sources),
+    Qualification: ("station", lambda found: found.figures),
+    Export: ("export", lambda found: found.rows),
+}
+
+
+def _lines(budget: Budget) -> list[tuple[Cell, ...]]:
     """Return the heads of a budget table, then its rows, rounded as on every page."""
     table: Any = blocks(
         "notebook",
         "outputs",
         groups=group_tables(budget),
         coverage=budget.settings.coverage,
-        widest=widest,
     )[0]
     heads = tuple(Cell(text=column.head) for column in table.columns)
     return [heads, *(row for group in table.groups for row in group.rows)]
 
 
-def _texts(budget: Budget, *, widest: bool = False) -> list[tuple[str, ...]]:
+def _texts(budget: Budget) -> list[tuple[str, ...]]:
     """Return the same as texts."""
-    rows = _lines(budget, widest=widest)
-    return [tuple(cell.text for cell in row) for row in rows]
+    return [tuple(cell.text for cell in row) for row in _lines(budget)]
 
 
 def budget_markdown(budget: Budget) -> str:
@@ -183,17 +348,30 @@ def export_text(found: Export) -> str:
 
 
 def study_frame(found: Tabled) -> pd.DataFrame:
-    """Return the CSV document of a study as a pandas frame; empty cells are missing."""
-    import pandas as pd
+    """Return the rows of a study as a pandas frame; empty cells are missing.
 
+    Of a comparison and a decision those are devices, best first.
+    """
     write: dict[type, Callable[[Any], str]] = {
-        Comparison: comparison_csv,
+        Comparison: lambda one: table_csv("offer", offers_of(one)),
+        Decision: lambda one: table_csv("offer", one.offers),
         Allocation: lambda one: table_csv("allotment", one.sources),
         Qualification: lambda one: table_csv("station_figure", one.figures),
         Export: lambda one: table_csv("exported", one.rows),
     }
-    text = StringIO(write[type(found)](found))
-    return pd.read_csv(text, keep_default_na=False, na_values=[""])
+    return _read(write[type(found)](found))
+
+
+def output_frame(found: Comparison) -> pd.DataFrame:
+    """Return the CSV document of a comparison: each device and required output."""
+    return _read(comparison_csv(found))
+
+
+def _read(text: str) -> pd.DataFrame:
+    """Read a table as it was written."""
+    import pandas as pd
+
+    return pd.read_csv(StringIO(text), keep_default_na=False, na_values=[""])
 
 
 XLSX = ".xlsx"
@@ -272,11 +450,59 @@ def _sheets(budget: Budget) -> Iterator[tuple[str, list[Sequence[object]]]]:
     yield "Notes", [("", budget.title), *notes]
 
 
-@dataclass(frozen=True)
+def _has_sobol(budget: Budget) -> bool:
+    """Whether Sobol' indices were estimated."""
+    return any(part.sobol for row in budget.outputs for part in row.contributions)
+
+
+def _varies(budget: Budget) -> bool:
+    """Whether any output has a spread."""
+    return any(row.is_resolved for row in budget.outputs)
+
+
+def _is_mission(budget: Budget) -> bool:
+    """Whether its outputs are of a mission."""
+    return budget.mission is not None
+
+
+# Figures, and whether a budget has what each of them shows.
+DRAWN: dict[str, Callable[[Budget], bool]] = {
+    "contributions": _varies,
+    "correlation": lambda budget: correlation_chart(budget) is not None,
+    "coupling": lambda budget: _varies(budget) and not _is_mission(budget),
+    "density": _varies,
+    "growth": lambda budget: _varies(budget) and _is_mission(budget),
+    "indices": _has_sobol,
+    "limits": lambda budget: budget.assessment is not None,
+    "overview": _varies,
+    "schedule": lambda budget: bool(_schedule(budget)),
+    "shares": lambda budget: _varies(budget) and _is_mission(budget),
+    "tornado": _varies,
+    "validation": lambda budget: any(row.validation for row in budget.outputs),
+    "waterfall": _varies,
+}
+
+
+def _schedule(budget: Budget) -> Chart | None:
+    """Return turns and dwells of the test of a budget; None of no test."""
+    there = {row.sensor for row in budget.outputs}
+    sensors = [kind for kind in SENSORS if kind in there]
+    return schedule_chart(analysis_of(budget).procedure, sensors) if sensors else None
+
+
+@dataclass(frozen=True, repr=False)
 class Plots:
     """The figures of the report on a budget, each a matplotlib Figure."""
 
     budget: Budget
+
+    def __dir__(self) -> list[str]:
+        """Return the figures that this budget has: what a notebook completes."""
+        return [name for name, has in DRAWN.items() if has(self.budget)]
+
+    def __repr__(self) -> str:
+        """List them."""
+        return f"<figures: {', '.join(dir(self))}>"
 
     def overview(self) -> Figure:
         """Show U of every output."""
@@ -325,10 +551,16 @@ class Plots:
 
     def schedule(self) -> Figure:
         """Show turns and dwells of the test, to scale."""
-        there = list(dict.fromkeys(row.sensor for row in self.budget.outputs))
-        sensors = [kind for kind in SENSORS if kind in there]
-        chart = schedule_chart(analysis_of(self.budget).procedure, sensors)
-        return _drawn(chart, "the test has no windows")
+        return _drawn(_schedule(self.budget), "there is no test, or it has no windows")
+
+    def growth(self) -> Figure:
+        """Show how CEP and R95 of a mission grow, and what makes them."""
+        limits = [*_limits(self.budget).values()]
+        return growth_figure(_curve(self.budget), limits)
+
+    def shares(self) -> Figure:
+        """Show the shares of the variance of its position over time."""
+        return shares_figure(_curve(self.budget))
 
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""
@@ -373,6 +605,23 @@ class Plots:
         """Return the sensor that is asked for, the first of the budget without."""
         there = {row.sensor: row.sensor for row in self.budget.outputs}
         return _choice(there, sensor or next(iter(there)))
+
+
+def _curve(budget: Budget) -> Growth:
+    """Return how the errors of a mission grow, to draw it.
+
+    Raises
+    ------
+    CallError
+        The budget is of no mission, or nothing varies on it.
+    """
+    if budget.mission is None:
+        raise CallError("the budget is of no mission; give mission= to analyze")
+    asked = [row.output.name.time or 0.0 for row in budget.outputs]
+    found = Growth.of(growth(budget, drawn_times(budget.mission, asked)))
+    if found is None:
+        raise CallError("nothing to draw: no output has a spread")
+    return found
 
 
 def _choice(known: Mapping[str, T], name: str) -> T:

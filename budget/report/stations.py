@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal
+from functools import partial
 from itertools import groupby
 from math import floor, log10, nan
 from typing import TYPE_CHECKING
@@ -12,25 +13,54 @@ from typing import TYPE_CHECKING
 from budget.distributions import NORMAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
-from budget.report.pages import sections
-from budget.report.tables import DASH, DIGITS, Number, print_given, print_three
+from budget.report.answers import LEAST_ROWS, Answer, decades
+from budget.report.document import json_text
+from budget.report.figures.rows import (
+    Bar,
+    Chart,
+    Group,
+    Panel,
+    Row,
+    Scale,
+    Side,
+    chart_picture,
+)
+from budget.report.figures.style import look_of
+from budget.report.pages import line, sections
+from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.tables import (
+    DASH,
+    DIGITS,
+    Number,
+    print_given,
+    print_three,
+    source_title,
+)
 from budget.studies.request import given_lines
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
-from budget.ties import settle
+from budget.ties import from_largest, settle
+from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from budget.names import Name
-    from budget.report.blocks import Section
-    from budget.studies.stations import Qualification, StationOutput, StationVerdict
+    from budget.report.blocks import Document, Section
+    from budget.studies.stations import (
+        Qualification,
+        StationFigure,
+        StationOutput,
+        StationVerdict,
+    )
 
 ANY = "any"
+SHOWN = 1e-3  # of the part of a limit: a figure that takes less has no bar [1]
+COMMAND = "budget station"
 PER_CENT = 100.0
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 
 
-def station_answer(found: Qualification, *, full: bool) -> tuple[Section, ...]:
+def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section, ...]:
     """Return what stands on a terminal: the answer, in full or in brief."""
     tried = [one for one in found.stations if one.has_figures]
     nearest = min(tried, key=lambda one: settle(one.utilisation), default=None)
@@ -54,6 +84,69 @@ def station_answer(found: Qualification, *, full: bool) -> tuple[Section, ...]:
         DASH=DASH,
         DIGITS=DIGITS,
     )
+
+
+def station_document(
+    found: Qualification, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put it into one document: which station will do, then what it stands on."""
+    answer, *further = station_answer(found)
+    chart = figures_chart(found)
+    return Answer.of(answer).whole(
+        "station_page",
+        provenance_section(
+            found.inputs, None, version=__version__, command_line=command_line
+        ),
+        sign_off_section(),
+        json=json_text(found.to_dict()),
+        date=date,
+        found=found,
+        further=further,
+        picture=None if chart is None else chart_picture(chart),
+    )
+
+
+def figures_chart(found: Qualification) -> Chart | None:
+    """Show what each figure of the procedure's own station takes, largest first.
+
+    None where there is no such station, or hardly a figure of it takes anything.
+    """
+    used = [row.takes_now or 0.0 for row in found.figures]
+    rows = [found.figures[k] for k in from_largest(used) if used[k] >= SHOWN]
+    if len(rows) < LEAST_ROWS:
+        return None
+    said = partial(line, "figures_station", ratio=found.ratio)
+    parts = [PER_CENT * (row.takes_now or 0.0) for row in rows]
+    low, high = decades([*parts, PER_CENT])
+    scale = Scale(
+        low=low,
+        high=max(high, 2.0 * PER_CENT),
+        kind="log",
+        lines=((PER_CENT, said("its_part")),),
+        label=said("axis"),
+    )
+    bars = tuple(
+        Row(
+            label=source_title(row.source),
+            marks=(_bar(row, low, part),),
+            beside=(said("used", row=row),),
+            strong=settle(part) > PER_CENT,
+            said=said("said", row=row),
+        )
+        for row, part in zip(rows, parts, strict=True)
+    )
+    return Chart(
+        name="station-figures",
+        title=said("title", row=rows[0]),
+        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=bars),)),)),),
+        caption=said("caption"),
+    )
+
+
+def _bar(row: StationFigure, start: float, end: float) -> Bar:
+    """Return the bar of a figure, in the look of its source."""
+    colour, hatch, _ = look_of(row.source)
+    return Bar(start=start, end=end, colour=colour, hatch=hatch, edge_width=0.4)
 
 
 def print_ratio(ratio: float) -> str:

@@ -215,16 +215,7 @@ class GroupTable:
     @property
     def gaps(self) -> str:
         """Say which lines the numbers of the group lack; '' where none."""
-        lacks = dict.fromkeys(name for row in self.rows for name in row.lacks)
-        return (
-            sentence(
-                "analysis/shares.gaps",
-                lacks=list(lacks),
-                is_unknown=any(row.u.text == UNKNOWN for row in self.rows),
-            ).said()
-            if lacks
-            else ""
-        )
+        return print_gaps(self.outputs)
 
     @property
     def contributions(self) -> str:
@@ -232,6 +223,19 @@ class GroupTable:
         return print_contributions(
             [(row.title, row.share.exact) for row in self.sources]
         )
+
+
+def print_gaps(rows: Sequence[OutputBudget]) -> str:
+    """Say which expected lines outputs lack, as of a group; '' where none."""
+    lacks = dict.fromkeys(
+        source_title(one, of=row.sensor) for row in rows for one in row.lacks
+    )
+    if not lacks:
+        return ""
+    unknown = any(row.is_unknown for row in rows)
+    return sentence(
+        "analysis/shares.gaps", lacks=list(lacks), is_unknown=unknown
+    ).said()
 
 
 def _printed(record: OutputRow | SourceCell) -> tuple[object, ...]:

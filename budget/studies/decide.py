@@ -347,6 +347,23 @@ def decide(
     )
 
 
+def offers_of(comparison: Comparison) -> tuple[Offer, ...]:
+    """Return a comparison device by device, best first under each procedure."""
+    units: dict[tuple[int, int], list[Entrant]] = {}
+    for one in comparison.entrants:
+        order = comparison.procedures.index(one.procedure)
+        units.setdefault((order, one.place), []).append(one)
+    is_shared = any(
+        row.output.name.owner == IMU
+        for one in comparison.devices
+        for row in one.outputs
+    )
+    found = (
+        _offer(order, parts, is_shared=is_shared) for (order, _), parts in units.items()
+    )
+    return tuple(sorted(found, key=lambda one: (one.order, *one.place)))
+
+
 def _of_chosen(
     texts: Iterable[Sequence[str]],
     devices: Sequence[Device],

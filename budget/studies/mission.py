@@ -16,6 +16,7 @@ from budget.calibration.mission import (
     of_aiding,
     on_the_way,
 )
+from budget.documents import Shown
 from budget.errors import CallError
 from budget.inputs import without_test
 from budget.inputs.records import FACTORY, UNCALIBRATED
@@ -45,8 +46,8 @@ WORSE = 1.01  # CEP over that of another calibration that is worth a word [1]
 LEAST_SPAN, MOST_SPAN = 100.0, 1000.0  # of its axis, end over start [1]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Curve:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Curve(Shown):
     """Errors of a mission at many times, by source.
 
     Attributes
@@ -102,7 +103,7 @@ class Curve:
         return radius_of(coverage, principal_variances(*each.sum(axis=0)))
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a pandas table, a row for each time [s, m, m/s].
+        """Return a pandas table, a row for each time, with units in its heads.
 
         CEP, R95 and DRMS of position, DRMS of velocity, what makes most of position.
         """
@@ -110,11 +111,11 @@ class Curve:
 
         return pd.DataFrame(
             {
-                "time": self.times,
-                "cep": self.radius(CEP),
-                "r95": self.radius(R95),
-                "drms": self.drms(),
-                "velocity_drms": self.drms("velocity"),
+                "time [s]": self.times,
+                "cep [m]": self.radius(CEP),
+                "r95 [m]": self.radius(R95),
+                "drms [m]": self.drms(),
+                "velocity_drms [m/s]": self.drms("velocity"),
                 "dominant": self.dominant,
             }
         )

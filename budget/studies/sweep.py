@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from budget.errors import CallError
 from budget.inputs import (
@@ -13,10 +18,13 @@ from budget.inputs import (
 )
 from budget.inputs.changes import read_change
 from budget.inputs.load import several
+from budget.names import with_parts
+from budget.results import TIME_COLUMN
 from budget.studies.analysis import analyze
+from budget.units import NUMBER
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Container, Iterable, Iterator
 
     import pandas as pd
 
@@ -25,12 +33,15 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.results import Budget
 
+QUANTITY = re.compile(rf"({NUMBER})\s*([^\s\d].*)")
+
 
 def sweep(
     device: Device | File,
     line: str,
     values: Iterable[object],
     *,
+    unit: str = "",
     procedure: Procedure | File | None = None,
     requirement: Requirement | File | None = None,
     calibration: Procedure | File | None = None,
@@ -54,9 +65,15 @@ def sweep(
     line : str
         'gyro.bias_stability', 'gyro.nominal.bias.x', as `Device.replace` takes it.
     values : iterable
-        '0.5 deg/h' and others, each as a device file would give it.
-    procedure, requirement, outputs, seed
+        '0.5 deg/h' and others, each as a device file would give it; or numbers: a list,
+        a range, an array of shape (n,), or (n, 3) axis by axis [unit].
+    unit : str
+        Of the numbers, 'deg/h'.
+    procedure, requirement, seed
         As of `analyze`.
+    outputs : sequence of str
+        As of `analyze`; of a mission names as `budget[...]` takes them, or what
+        several of them begin or end with: 'mission.position.horizontal'.
     calibration, station, age, environment, mission, at
         As of `analyze`.
     coverage, reference
@@ -67,21 +84,21 @@ def sweep(
     Returns
     -------
     DataFrame
-        A row for each value and output, in printed units: `value` as it was given, then
-        sensor, parameter, axis, of a mission time [s], unit, mean,
-        standard_uncertainty, interval_low, interval_high; `share` of the variance that
-        the line contributes [1], products left out; with a requirement limit,
-        utilisation [1] and the verdict on the sensor, empty where the output has no
-        limit, which adds no rows.
+        A row for each value and output: `value` in `value_unit`, or as it was given if
+        it is no number with a unit; then sensor, parameter, axis, of a mission
+        `time [s]`, and in `unit` mean, standard_uncertainty, interval_low,
+        interval_high; `share` of the variance that the line contributes [1], products
+        left out; with a requirement limit, utilisation [1] and the verdict on the
+        sensor, empty where the output has no limit, which adds no rows.
 
     Raises
     ------
     SpecError
         A value is none of that line.
     CallError
-        There is no value, or what `analyze` refuses.
+        There is no value, a number has no unit, or what `analyze` refuses.
     """
-    import pandas as pd
+    from budget.studies.frame import Frame
 
     start = load_device(device)
     wanted = None if requirement is None else load_requirement(requirement)
@@ -95,11 +112,12 @@ def sweep(
         mission=route,
         requirement=wanted,
     )
-    given = () if isinstance(values, str) else several(values)
+    listed = () if isinstance(values, str) else several(values)
+    given = tuple(_as_printed(value, line, unit) for value in listed)
     if not given:
         raise CallError(
             f"{line}: expected a list of values to compute the budget for, as "
-            "['0.01 deg/h', '0.02 deg/h']"
+            "['0.01 deg/h', '0.02 deg/h'], or numbers with unit='deg/h'"
         )
     changed = [start.replace({line: value}) for value in given]  # refused at once
     address = read_change(f"{line}=0").address
@@ -113,31 +131,76 @@ def sweep(
             at=at,
             coverage=coverage,
             reference=reference,
-            outputs=outputs,
+            outputs=() if route else outputs,
             validate=validate,
             seed=seed,
             command="sweep",
         )
-        rows += ({"value": value, **row} for row in _rows(budget, address))
-    return pd.DataFrame.from_records(rows)
+        asked = _asked(budget, outputs)
+        rows += ({**_split(value), **row} for row in _rows(budget, address, asked))
+    return Frame(rows)
 
 
-def _rows(budget: Budget, line: Name) -> Iterator[dict[str, Any]]:
+def _as_printed(value: object, line: str, unit: str) -> object:
+    """Return a value as a device file gives it: a number, or one an axis, with a unit.
+
+    Raises
+    ------
+    CallError
+        There is none for a number.
+    """
+    if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str):
+        return [_as_printed(one, line, unit) for one in value]
+    if not isinstance(value, Real) or isinstance(value, bool):
+        return value
+    if not unit:
+        raise CallError(
+            f"{line}: found {value}, a number without a unit; give unit=, as 'deg/h'"
+        )
+    return f"{value if isinstance(value, int) else float(value)!r} {unit}"
+
+
+def _split(value: object) -> dict[str, object]:
+    """Return number and unit of a value; what is not one with the other as it is."""
+    found = QUANTITY.fullmatch(value.strip()) if isinstance(value, str) else None
+    if found is None:
+        return {"value": value, "value_unit": ""}
+    return {"value": float(found[1]), "value_unit": found[2]}
+
+
+def _asked(budget: Budget, texts: Sequence[str]) -> Container[Name]:
+    """Return the names of the outputs that are asked for; all if none is.
+
+    Raises
+    ------
+    CallError
+        A mission has none of that name.
+    """
+    if budget.mission is None or not texts:
+        return budget.settings.outputs or tuple(budget)
+    found: set[Name] = set()
+    for text in (texts,) if isinstance(texts, str) else texts:
+        found |= {*with_parts(text, budget)} or {budget[text].output.name}
+    return found
+
+
+def _rows(
+    budget: Budget, line: Name, asked: Container[Name]
+) -> Iterator[dict[str, Any]]:
     """Yield what a sweep says of each output of one budget."""
     found = budget.assessment
     limits = {} if found is None else {row.output.name: row for row in found.outputs}
     verdicts = {} if found is None else {one.sensor: one for one in found.sensors}
-    asked = budget.settings.outputs or [row.output.name for row in budget.outputs]
     for row in budget.outputs:
         if row.output.name not in asked:
             continue
-        own = row.in_unit()
+        own, time = row.in_unit(), row.output.name.time
         shares = [part.share for part in row.contributions if part.source == line]
         record: dict[str, Any] = {
             "sensor": row.sensor,
             "parameter": row.parameter,
             "axis": row.axis,
-            **({} if row.output.name.time is None else {"time": row.output.name.time}),
+            **({} if time is None else {TIME_COLUMN: time}),
             "unit": own.unit,
             "mean": own.mean,
             "standard_uncertainty": own.standard_uncertainty,

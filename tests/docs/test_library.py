@@ -19,6 +19,7 @@ from numpy.testing import assert_allclose
 from places import ROOT
 
 import budget
+from budget.studies.decide import decide
 from budget.units import DEG_PER_HOUR
 
 README = ROOT / "README.md"
@@ -270,17 +271,111 @@ def test_values_agree_with_their_unit(result):
 
 
 def test_a_notebook_shows_a_table(judged):
-    """A row for each group with its largest u, the verdict, every warning; escaped."""
+    """A row for each group with its worst output, the verdict, every warning."""
     html = judged._repr_html_()
 
     assert html.count("<tr>") == 1 + 6
-    assert "<td>gyro bias</td><td>x</td><td>0.000</td><td>0.075</td>" in html
+    row = r"<td[^>]*>gyro\.bias\.z</td><td[^>]*>0\.148</td><td[^>]*>deg/h</td>"
+    assert re.search(row, html)
     assert "FAILS navigation grade" in html
+    assert "... 18 more" in html
     assert html.count("Warning: ") == len(judged.warnings) > 0
     hostile = replace(judged, title="<script>")
     assert "&lt;script&gt;" in hostile._repr_html_()
     assert "<script>" not in hostile._repr_html_()
     assert not re.search(r"src=|href=|url\(", html)
+
+
+def test_a_prompt_shows_the_same_in_text(judged):
+    """The rows of the notebook, and of warnings how many are left."""
+    text = repr(judged)
+
+    rows = re.findall(r"^(?:gyro|accelerometer)\.\S+  +[\d.]+ ", text, re.MULTILINE)
+    assert len(rows) == 6
+    assert re.search(r"gyro\.bias\.z +0\.148 +deg/h +\d+ % of 0\.01 deg/h", text)
+    assert "... 18 more" in text
+    many = replace(judged, warnings=("one", "two", "three", "four"))
+    assert "... 2 more in .warnings" in repr(many)
+    assert "three" in many._repr_html_()
+
+
+@pytest.fixture(scope="module")
+def flight():
+    """Provide the budget of a mission."""
+    return budget.analyze("hg4930#C", mission="outage-60-s", validate=False)
+
+
+def test_outputs_are_asked_by_name(judged, flight):
+    """A budget is a mapping from the names of its outputs, in their order."""
+    assert judged["gyro.bias.x"] is judged.output("gyro.bias.x")
+    assert "gyro.bias.x" in judged
+    assert "gyro.bias" not in judged
+    assert len(judged) == 24
+    assert [judged[name] for name in judged] == [*judged.outputs]
+    assert judged._ipython_key_completions_() == list(judged)
+    far = flight["mission.position.horizontal.60"]
+    for name in ("mission.position.60 s", "mission.position.horizontal.1 min"):
+        assert name in flight
+        assert flight[name] is far
+    assert flight["mission.attitude.heading.0.5 min"].output.name.time == 30.0
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("gyro.bais.x", r"did you mean 'gyro\.bias\.x'"),
+        ("gyro.bias", r"'gyro\.bias\.x' or 'gyro\.bias\.y' or 'gyro\.bias\.z'\?"),
+        ("nothing", r"\. It has gyro\.scale_factor\.\{x, y, z\};"),
+        (3, r"found 3, no output .* It has .*gyro\.bias\.\{x, y, z\}"),
+    ],
+)
+def test_a_wrong_name_says_what_there_is(judged, name, words):
+    """A KeyError with names that are like it, and what there is."""
+    with pytest.raises(KeyError, match=words):
+        judged[name]
+
+
+def test_a_wrong_time_says_which_there_are(flight):
+    """Of a mission names are told as they are asked for."""
+    with pytest.raises(
+        KeyError, match=r"mean 'mission\.position\.60 s'.*\{10, 30, 60\}"
+    ):
+        flight["mission.position.61 s"]
+
+
+def test_one_output_is_a_table(judged, flight):
+    """Its contributions in printed units, and in which SI its attributes are."""
+    text = repr(judged["gyro.bias.x"])
+    assert re.search(r"standard uncertainty +0\.075 deg/h", text)
+    assert re.search(r"gyro\.bias_repeatability +0\.07\d+ +deg/h", text)
+    assert "SI (rad/s)" in text
+    assert "SI (1)" in repr(judged["gyro.scale_factor.x"])
+    assert "... 2 more" in repr(flight["mission.position.60 s"])
+    assert "<table>" in judged["gyro.bias.x"]._repr_html_()
+
+
+def test_a_device_is_a_table():
+    """Ten specification values as printed, how many more, and what is not given."""
+    device = budget.load_device("stim300#5g")
+    text = repr(device)
+    assert re.search(r"gyro\.g_sensitivity +7 \S+ +typical", text)
+    assert "... 2 more" in text
+    assert "Expected and not given: gyro.scale_factor_repeatability" in text
+    assert device._repr_html_().count("<tr>") == 1 + 10
+
+
+def test_a_mission_and_its_growth_are_tables(flight):
+    """The horizontal position at all times comes first; units stand in heads."""
+    rows = re.findall(r"^mission\.\S+", repr(flight), re.MULTILINE)
+    assert rows[:3] == [f"mission.position.horizontal.{at}" for at in (10, 30, 60)]
+    assert "time [s]" in flight.to_frame()
+    grown = budget.growth(flight)
+    assert list(grown.to_frame()) == [
+        *("time [s]", "cep [m]", "r95 [m]", "drms [m]", "velocity_drms [m/s]"),
+        "dominant",
+    ]
+    assert re.search(r"^1 min +41\.\d", repr(grown), re.MULTILINE)
+    assert "... 90 more" in repr(grown)
 
 
 def test_tables_for_documents(judged):
@@ -318,6 +413,33 @@ def test_figures_of_a_result(judged):
     label = plot.contributions().get_label()
     assert label == plot.contributions(str(worst.output.name.group)).get_label()
     assert label != plot.contributions("accelerometer.bias").get_label()
+
+
+def test_figures_that_there_are_complete(result, judged, flight):
+    """What completion offers of a budget can be drawn, all of it."""
+    for one in (result, judged, flight):
+        for name in dir(one.plot):
+            assert getattr(one.plot, name)().get_label(), name
+    assert "limits" not in dir(result.plot)
+    assert set(dir(judged.plot)) - set(dir(result.plot)) == {"limits"}
+    assert {"growth", "shares"} < set(dir(flight.plot))
+    assert not {"coupling", "schedule", "indices"} & set(dir(flight.plot))
+    assert "limits" in repr(judged.plot)
+    with pytest.raises(budget.CallError, match="mission="):
+        result.plot.growth()
+
+
+def test_a_figure_shows_itself(judged):
+    """As a drawing on paper of its own and as a bitmap, the same each time."""
+    figure = judged.plot.contributions("gyro.bias")
+    svg = figure._repr_svg_()
+
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    assert svg == judged.plot.contributions("gyro.bias")._repr_svg_()
+    root = ET.fromstring(svg)  # noqa: S314 - written above
+    assert root.tag.endswith("svg")
+    assert not list(root.iter("{http://www.w3.org/2000/svg}text"))  # needs no font
+    assert repr(figure) == f"<Figure: {figure.get_label()}>"
 
 
 def test_a_figure_that_there_is_not_is_refused(result):
@@ -442,17 +564,34 @@ STUDIES = {
     "allocate": lambda: budget.allocate("zhao-2019", requirement="navigation-grade"),
     "qualify": lambda: budget.qualify("zhao-2019", requirement="navigation-grade"),
     "export": lambda: budget.export("stim300#5g", to="kalibr", rate=200.0),
+    "decide": lambda: decide("zhao-2019", "catalogue-edge"),
 }
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_every_study_is_a_table_in_a_notebook(name):
-    """As many rows as its CSV document has, and one short line elsewhere."""
+    """Ten rows at the most, how many more there are, and all of them in a frame."""
     found = STUDIES[name]()
     table = found.to_frame()
-    assert len(table) > 0
-    assert found._repr_html_().count("<tr") == len(table) + 1
-    assert len(repr(found)) < 80
+    shown = min(len(table), 10)
+    assert shown > 0
+    for text in (repr(found), found._repr_html_()):
+        assert ("... " in text) == (len(table) > shown)
+        assert len(table) == shown or f"... {len(table) - shown} more" in text
+    assert found._repr_html_().count("<tr>") == shown + 1
+
+
+def test_a_comparison_is_a_row_a_device():
+    """Of both triads of a device the graver verdict; rows of limits apart."""
+    found = budget.compare(["stim300#5g", "hg4930#C"], "tactical-grade", method="gum")
+    table = found.to_frame()
+
+    assert list(table["name"]) == ["STIM300 (5g)", "HG4930 (C)"]
+    assert list(table["verdict"]) == ["fails", "fails"]
+    by_device = found.output_frame().groupby("device")["utilisation"].max()
+    assert_allclose(table["utilisation"], by_device[table["name"]], rtol=1e-12)
+    assert table["lower_bound"].tolist() == [True, False]
+    assert re.search(r"STIM300 \(5g\) +FAILS +>= 263 %", repr(found))
 
 
 def test_an_export_is_the_file_of_the_target():

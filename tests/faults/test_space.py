@@ -49,10 +49,10 @@ def test_enough_memory_changes_nothing(option):
     assert found.stdout == limited(option, "unlimited", *MISSION).stdout
 
 
-@pytest.mark.parametrize("command", ["report", "compare", "paper"])
+@pytest.mark.parametrize("command", [("report",), ("paper",), MISSION])
 def test_pages_are_refused_less_than_what_draws_them_takes(command):
     """What makes a PDF would end the process where it gets no memory."""
-    found = limited("-v", 800_000, command)
+    found = limited("-v", 800_000, *command, "-o", "a.pdf")
 
     assert found.returncode == 2, found.stderr
     assert "819200 kB" in found.stderr

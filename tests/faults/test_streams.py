@@ -167,10 +167,13 @@ NAMED = {
     "analyze json": ("analyze", "{}", "--no-validate", "--json", "-"),
     "analyze csv": ("analyze", "{}", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", "{}", *GRADE, "--no-validate"),
-    "station": ("station", "{}", "--requirement", "catalogue-edge"),
+    "station": (
+        *("station", "{}", "--requirement", "catalogue-edge"),
+        *("-o", "\u6d4b\u53f0.html"),
+    ),
     "mission": (
         *("mission", "{}", "adxl357", "--mission", "outage-10-s"),
-        "--no-validate",
+        *("--no-validate", "-o", "\u6d4b\u7a0b.html"),
     ),
     "export": ("export", "{}", "adxl357", "--to", "ros", "--rate", "100"),
     "compare": ("compare", "{}", *GRADE, *GUM),

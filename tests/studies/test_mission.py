@@ -183,8 +183,8 @@ def test_the_library_answers_as_the_law(bench):
     assert_allclose(row.standard_uncertainty, expected[place], rtol=1e-12)
     assert found.settings.reference == "next_turn_on"
     table = growth(found, ["1 h", 60.0]).to_frame()
-    assert table["time"].tolist() == [60.0, 3600.0]
-    assert_allclose(table["drms"].iloc[1], row.standard_uncertainty, rtol=1e-12)
+    assert table["time [s]"].tolist() == [60.0, 3600.0]
+    assert_allclose(table["drms [m]"].iloc[1], row.standard_uncertainty, rtol=1e-12)
     assert table["dominant"].iloc[1] == "gyro.bias_repeatability"
 
 

@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from math import floor, log10
 from typing import TYPE_CHECKING
 
 from budget.names import MISSION, by_group
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
+from budget.report.answers import Answer, parted
 from budget.report.blocks import Abreast, ForPages
+from budget.report.document import json_text
 from budget.report.figures.rows import chart_picture
 from budget.report.pages import sections
+from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import DASH, print_given
+from budget.results import Settings
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest, from_largest, settle
 from budget.units import DAY, YEAR
+from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterator, Sequence
 
     from budget.names import Name
-    from budget.report.blocks import Picture, Section
+    from budget.report.blocks import Document, Picture, Section
     from budget.studies.allocation.records import Allocation, LimitedOutput, LimitPart
 
+COMMAND = "budget allocate"
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
 TAKERS = 3  # sources that are named where a limit cannot be met, at the most
 TAKEN = 0.01  # part of the squared limit from which one is named [1]
@@ -54,6 +61,42 @@ def allocation_section(allocation: Allocation) -> Section:
     return allocation_answer(allocation)[0]
 
 
+def allocation_document(
+    allocation: Allocation, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put an allocation into one document: what each line may be, then why."""
+    section, *further = allocation_answer(allocation)
+    answer = Answer.of(section)
+    owners = dict.fromkeys(row.source.owner for row in allocation.sources)
+    allowed = answer.first(*(f"allocation-{owner}" for owner in owners))
+    apart = [parted(one, one.name.replace("-", "-parts-", 1)) for one in allowed]
+    return answer.whole(
+        "allocation_page",
+        provenance_section(
+            allocation.inputs,
+            Settings(seed=allocation.seed),
+            version=__version__,
+            command_line=command_line,
+        ),
+        sign_off_section(),
+        json=json_text(allocation.to_dict()),
+        date=date,
+        found=allocation,
+        allowed=[
+            replace(one, blocks=blocks)
+            for one, (blocks, _) in zip(allowed, apart, strict=True)
+        ],
+        taken=[
+            (one.title, blocks)
+            for one, (_, blocks) in zip(allowed, apart, strict=True)
+            if blocks
+        ],
+        headrooms=[*_headrooms(allocation)],
+        waterfalls=[chart_picture(waterfall_chart(row)) for row in figured(allocation)],
+        further=further,
+    )
+
+
 def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
     """Return the outputs that get a waterfall: of each parameter the tightest one.
 
@@ -74,11 +117,16 @@ def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
 
 def _pictures(allocation: Allocation) -> Iterator[Picture]:
     """Draw how far each line could go, and what takes how much of the limits."""
+    yield from _headrooms(allocation)
+    yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
+
+
+def _headrooms(allocation: Allocation) -> Iterator[Picture]:
+    """Draw how far each line could go, sensor by sensor."""
     for sensor in dict.fromkeys(row.source.owner for row in allocation.sources):
         rows = [row for row in allocation.sources if row.source.owner == sensor]
         if (headroom := headroom_chart(rows)) is not None:
             yield chart_picture(headroom)
-    yield from (chart_picture(waterfall_chart(row)) for row in figured(allocation))
 
 
 def _alike(

@@ -261,8 +261,7 @@ def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
         for text in texts
         if not (key := _assumed(text)[0])
         or key == STATION
-        or key in counts
-        or key.rpartition(".")[0] in counts
+        or any(key == one or key.startswith(f"{one}.") for one in counts)
     )
 
 

@@ -13,8 +13,11 @@ from budget.report.analysis.groups import (
     rest_sections,
     verdict_sections,
 )
+from budget.report.analysis.verdict import answer_rows
 from budget.report.blocks import Abreast, Card, Paragraph, Run
+from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
+from budget.report.inputs import inputs_section, print_degrees
 from budget.report.mission import (
     PLANE,
     bought,
@@ -25,21 +28,24 @@ from budget.report.mission import (
     rate_per_hour,
     units_of,
 )
-from budget.report.pages import sections
+from budget.report.pages import document, sections
+from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
-from budget.report.tables import full_title, of_the_variance
+from budget.report.tables import full_title, of_the_variance, print_coverage
 from budget.report.wording import capital, deciding_lines, standing_blocks
 from budget.results import BY_PREDICTION
+from budget.studies.mission import curve, drawn_times
 from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words
+from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.report.blocks import Block, Picture, Section
+    from budget.report.blocks import Block, Document, Picture, Section
     from budget.results import Assessment, Budget
-    from budget.studies.mission import Curve
 
+COMMAND = "budget mission"
 SPANS = 3  # of an aid, which are shown
 NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
 
@@ -82,10 +88,49 @@ def mission_section(budget: Budget, figures: Sequence[Picture] = ()) -> Section:
     return section
 
 
-def mission_figures(budget: Budget, found: Curve) -> tuple[Picture, ...]:
+def mission_document(
+    budget: Budget, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put a mission into one document: the finding, errors, what they rest on."""
+    analysis, assessment = analysis_of(budget), budget.assessment
+    (section,) = _page("mission", budget, Abreast(blocks=()))
+    on_top = [*mission_card(budget).lines]
+    below = [one for one in section.blocks if getattr(one, "words", 0) not in on_top]
+    found = document(
+        "mission_page",
+        **_view(budget),
+        budget=budget,
+        assessment=assessment,
+        degrees=print_degrees,
+        limits=assessment and next(mission_limits(budget, assessment)),
+        rows=answer_rows(budget, (), assessment, budget),
+        coverage=print_coverage(budget.settings.coverage),
+        pictures=mission_figures(budget),
+        below=below,
+        rest=[one for one in rest_sections(budget) if one.blocks],
+    )
+    return found.whole(
+        "mission",
+        inputs_section(analysis.devices, analysis.procedure),
+        provenance_section(
+            budget.inputs,
+            budget.settings,
+            version=__version__,
+            command_line=command_line,
+        ),
+        sign_off_section(),
+        json=to_json(budget),
+        date=date,
+    )
+
+
+def mission_figures(budget: Budget) -> tuple[Picture, ...]:
     """Return the figures of a mission, that of page one first; () if none varies."""
+    analysis = analysis_of(budget)
+    asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
+    times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
     limits = () if budget.assessment is None else budget.assessment.outputs
-    return growth_pictures(found, limits)
+    return growth_pictures(curve(analysis, times), limits)
 
 
 def mission_card(budget: Budget) -> Card:
@@ -97,38 +142,41 @@ def mission_card(budget: Budget) -> Card:
 
 def _page(page: str, budget: Budget, drawn: Block | None = None) -> tuple[Section, ...]:
     """Return a page of a mission."""
+    return sections(page, drawn=drawn, **_view(budget))
+
+
+def _view(budget: Budget) -> dict[str, object]:
+    """Return what a page of a mission is filled in with."""
     moments = by_time(budget)
     end = next((one for one in reversed(moments) if one.horizontal is not None), None)
     because = budget.bought[-1].because if budget.bought else None
     mission = budget.mission
-    return sections(
-        page,
-        budget=budget,
-        assessment=budget.assessment,
-        mission=mission,
-        calibration=calibration_words(analysis_of(budget).procedure),
-        way=mission and way_of(mission.route),
-        moments=moments,
-        units=units_of(moments),
-        units_of=units_of,
-        end=end if end and end.horizontal and end.horizontal.radii else None,
-        lost=[one for one in moments if one.is_lost],
-        rate=rate_per_hour(moments),
-        is_predicted=any(row.interval_by == BY_PREDICTION for row in budget.outputs),
-        lacks=lacking(budget),
-        bought=bought(budget, moments),
-        tested=len(budget.bought) > len(UNCALIBRATED),
-        because=because,
-        source=because and source_of(because.owner, because.quantity),
-        drawn=drawn,
-        PLANE=PLANE,
-        SPANS=SPANS,
-        NOT_LEARNT=NOT_LEARNT,
-        SHARED=SHARED,
-        STAYING=(DEVICE, TURN_ON),
+    return {
+        "budget": budget,
+        "assessment": budget.assessment,
+        "mission": mission,
+        "calibration": calibration_words(analysis_of(budget).procedure),
+        "way": mission and way_of(mission.route),
+        "moments": moments,
+        "units": units_of(moments),
+        "units_of": units_of,
+        "end": end if end and end.horizontal and end.horizontal.radii else None,
+        "lost": [one for one in moments if one.is_lost],
+        "rate": rate_per_hour(moments),
+        "is_predicted": any(x.interval_by == BY_PREDICTION for x in budget.outputs),
+        "lacks": lacking(budget),
+        "bought": bought(budget, moments),
+        "tested": len(budget.bought) > len(UNCALIBRATED),
+        "because": because,
+        "source": because and source_of(because.owner, because.quantity),
+        "PLANE": PLANE,
+        "SPANS": SPANS,
+        "NOT_LEARNT": NOT_LEARNT,
+        "SHARED": SHARED,
+        "STAYING": (DEVICE, TURN_ON),
         **contributions(moments),
         **filtered(budget),
-    )
+    }
 
 
 def mission_limits(budget: Budget, assessment: Assessment) -> Iterator[Block]:

@@ -22,6 +22,7 @@ from budget.report.tables import (
     join_outputs,
     largest_error,
     print_contributions,
+    print_gaps,
     print_share,
     print_two_down,
     round_error,
@@ -131,6 +132,7 @@ class AnswerRow:
     unit: str
     shares: Shares  # of its variance
     said: str  # these in words, the largest first
+    gaps: str  # what the error lacks, where it is a lower bound
     limit: str = ""  # as the requirement has it
     used: Number | None = None  # part of the limit
     is_within: bool = True
@@ -234,6 +236,7 @@ def _made_of(row: OutputBudget, outputs: Sequence[Name]) -> dict[str, Any]:
     return {
         "shares": Shares(outputs=tuple(dict.fromkeys(outputs)), parts=tuple(parts)),
         "said": print_contributions([(title, one.share) for title, one in titles]),
+        "gaps": print_gaps([row]),
     }
 
 

@@ -107,13 +107,14 @@ def growth_pictures(
 def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
     """Show CEP, R95, limits and the parts of the largest sources over time."""
     curve, lines = growth.curve, _lines(growth)
-    title = said("title", cep=growth.cep[-1], end=curve.times[-1])
+    figure = growth_figure(growth, limits)
+    title = str(figure.get_label())
     rows = zip(
         map(_around, curve.times), growth.cep, growth.r95, growth.shares.T, strict=True
     )
     data: Any = blocks("figures_growth", "data", names=_names(growth), rows=rows)[0]
     return as_picture(
-        _draw_growth(growth, limits, title),
+        figure,
         name="mission-growth",
         title=title,
         alt=said(
@@ -134,13 +135,8 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
 
 def shares_picture(growth: Growth) -> Picture:
     """Show the shares of the variance over time, one upon the other."""
-    leaders = growth.leaders
-    last, since = leaders[-1]
-    title = said(
-        "shares_title",
-        source=full_title(last),
-        since=_around(since) if len(leaders) > 1 else "",
-    )
+    figure = shares_figure(growth)
+    title = str(figure.get_label())
     parts = {
         f"area-{k}": said("area_tip", name=name, shares=shares)
         for k, (name, shares) in enumerate(
@@ -149,7 +145,7 @@ def shares_picture(growth: Growth) -> Picture:
         if shares.any()
     }
     return as_picture(
-        _draw_shares(growth, title),
+        figure,
         name="mission-shares",
         title=title,
         alt=said("shares_alt", title=title, parts=parts.values()),
@@ -197,10 +193,9 @@ def _horizontal(limits: Sequence[OutputAssessment]) -> list[OutputAssessment]:
 
 
 @house_style()
-def _draw_growth(
-    growth: Growth, limits: Sequence[OutputAssessment], title: str
-) -> Figure:
+def growth_figure(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figure:
     """Draw all lines on two logarithmic axes."""
+    title = said("title", cep=growth.cep[-1], end=growth.curve.times[-1])
     own = _horizontal(limits)
     largest = max(float(growth.r95.max()), *(row.limit for row in own), 0.0)
     figure, axes = plane(title, said("time_axis"), said("error_axis"), HEIGHT)
@@ -243,8 +238,15 @@ def _draw_growth(
 
 
 @house_style()
-def _draw_shares(growth: Growth, title: str) -> Figure:
+def shares_figure(growth: Growth) -> Figure:
     """Draw areas one upon the other, the largest source at the bottom."""
+    leaders = growth.leaders
+    last, since = leaders[-1]
+    title = said(
+        "shares_title",
+        source=full_title(last),
+        since=_around(since) if len(leaders) > 1 else "",
+    )
     figure, axes = plane(
         title,
         said("time_axis"),

@@ -148,9 +148,9 @@ def canvas(
 
 def blank(height: float, *, width: float = WIDTH) -> Figure:
     """Make a figure with nothing on it [pt]."""
-    from matplotlib.figure import Figure
+    from budget.report.figures.displayed import Displayed
 
-    return Figure(figsize=(width / INCH, height / INCH))
+    return Displayed(figsize=(width / INCH, height / INCH))
 
 
 def add_panel(

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from math import floor, inf, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from budget.language import key_title, words
-from budget.references.difference import TOOL
-from budget.report.pages import sections
+from budget.references.difference import EXACT, FALSE_ALARM, TOOL
+from budget.report.document import json_of
+from budget.report.figures.rows import chart_picture
+from budget.report.pages import document, sections
+from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.reference.figures import moves_chart
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -19,13 +23,16 @@ from budget.report.tables import (
 )
 from budget.report.wording import capital
 from budget.studies.request import read_name
+from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from budget.references.difference import Change, Difference, Move
-    from budget.report.blocks import Section
+    from budget.report.blocks import Document, Section
+    from budget.results import InputFile
 
+COMMAND = "budget check"
 # What a reader looks at first; the other numbers follow from what moves these.
 PRINCIPAL = (
     "standard_uncertainty",
@@ -37,6 +44,7 @@ PRINCIPAL = (
 )
 FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MOST_ROWS = 24  # on a terminal
+MOST_CARDS = 4  # references that a page names before the table of all
 MOST_IDLE = 12  # changes without effect that a terminal names
 FACTOR = 3.0  # a number that grew by more is said to be so many times as large
 MOST_DIGITS = 10  # of a number that moved by very little
@@ -76,6 +84,8 @@ class Row:
     causes: tuple[tuple[int, str], ...]  # numbers of the changes, each with its part
     has_more_causes: bool
     together: str  # what all changes do at once beyond these parts, or ''
+    # Of the largest of them: absolute difference over what it is measured by [1].
+    size: float = field(compare=False)
     labels: tuple[str, ...] = ()
 
     @property
@@ -128,19 +138,56 @@ def check_sections(checks: Sequence[Difference], bad: int) -> tuple[Section, ...
 
     `bad` is how many references could not be computed.
     """
-    moved = [(x, move_table(x.moves, x.changes)) for x in checks if not x.holds]
-    return _sections("check", checks=checks, moved=moved, bad=bad)
+    return sections("check", **_view(checks, bad))
+
+
+def check_document(
+    checks: Sequence[Difference],
+    errors: Sequence[str],
+    files: Sequence[InputFile],
+    *,
+    date: str,
+    command_line: str = COMMAND,
+) -> Document:
+    """Put a check into one document: how many moved, which ones, by how much, why.
+
+    `errors` are of references that could not be computed, `files` the references.
+    """
+    view = _view(checks, len(errors))
+    chart = moves_chart([(one.first, table.rows) for one, table in view["moved"]])
+    stored = [one for check in checks for one in check.before.inputs]
+    page = document(
+        "check_page",
+        **view,
+        errors=errors,
+        picture=None if chart is None else chart_picture(chart),
+        stored=dict.fromkeys((one.role, one.file, one.sha256) for one in stored),
+        MOST_CARDS=MOST_CARDS,
+        EXACT=EXACT,
+        FALSE_ALARM=FALSE_ALARM,
+    )
+    provenance = provenance_section(
+        files, None, version=__version__, command_line=command_line
+    )
+    return page.whole(
+        "check",
+        provenance,
+        sign_off_section(),
+        json=json_of((checks, errors), "check"),
+        date=date,
+    )
 
 
 def difference_sections(difference: Difference) -> tuple[Section, ...]:
     """Return two budgets side by side, the largest change first."""
     table = move_table(difference.moves, difference.changes)
-    return _sections("diff", difference=difference, table=table)
+    return sections("diff", difference=difference, table=table, **WORDED)
 
 
-def _sections(page: str, **view: object) -> tuple[Section, ...]:
-    """Return the sections of a page with moves in it."""
-    return sections(page, brief=brief, DASH=NONE, TOOL=TOOL, **view)
+def _view(checks: Sequence[Difference], bad: int) -> dict[str, Any]:
+    """Return what a page of a check is filled in with."""
+    moved = [(x, move_table(x.moves, x.changes)) for x in checks if not x.holds]
+    return {"checks": checks, "moved": moved, "bad": bad, **WORDED}
 
 
 def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTable:
@@ -183,6 +230,10 @@ def brief(changes: Sequence[Change]) -> Brief:
     rest = [one for one in changes if one.acts is False][MOST_IDLE:]
     alone = any(not one.is_text and one.where != TOOL for one in rest)
     return Brief(named=named, rest=len(rest), only_alone=alone)
+
+
+# What every page with moves in it is filled in with.
+WORDED: Mapping[str, Any] = {"brief": brief, "DASH": NONE, "TOOL": TOOL}
 
 
 def cause_texts(move: Move) -> tuple[tuple[Change, str], ...]:
@@ -255,6 +306,7 @@ def _row(move: Move, changes: Sequence[Change]) -> Row:
         causes=tuple(causes[:NAMED]),
         has_more_causes=len(causes) > NAMED,
         together=together_text(move),
+        size=move.size,
     )
 
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from budget.documents import Documented, written
+from budget.documents import SHOWN_BY, Documented, written
 from budget.results import VERDICTS, Tabled
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+
+    import pandas as pd
 
     from budget.names import Name
     from budget.results import (
@@ -338,6 +341,11 @@ class Comparison(Tabled):
     pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+
+    def output_frame(self) -> pd.DataFrame:
+        """Return its CSV document as a pandas frame: each device, required output."""
+        table: pd.DataFrame = import_module(SHOWN_BY).output_frame(self)
+        return table
 
     @property
     def required(self) -> tuple[str, ...]:

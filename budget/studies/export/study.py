@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.documents import written
+from budget.documents import SHOWN_BY, written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
-from budget.results import SHOWN_BY, InputFile, Tabled, input_files
+from budget.results import InputFile, Tabled, input_files
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
