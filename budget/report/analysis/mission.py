@@ -99,8 +99,6 @@ def mission_document(
     found = document(
         "mission_page",
         **_view(budget),
-        budget=budget,
-        assessment=assessment,
         degrees=print_degrees,
         limits=assessment and next(mission_limits(budget, assessment)),
         rows=answer_rows(budget, (), assessment, budget),
