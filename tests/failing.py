@@ -23,8 +23,8 @@ DEVICE = shipped("specs") / "devices" / "zhao-2019.yaml"
 
 # Quick calls of every command that prints results, with the code of success.
 PRINTING = {
-    "analyze": ("analyze", "--no-validate"),
-    "analyze brief": ("analyze", "--no-validate", "--brief", *GRADE),
+    "analyze": ("analyze", "--no-validate", *GRADE),
+    "analyze full": ("analyze", "--no-validate", "--full"),
     "analyze json": ("analyze", "--no-validate", "--json", "-"),
     "analyze csv": ("analyze", "--no-validate", "--csv", "-"),
     "allocate": ("allocate", *GRADE, "--no-validate"),

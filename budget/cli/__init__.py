@@ -14,7 +14,7 @@ from threading import current_thread, main_thread
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
@@ -82,6 +82,25 @@ class _Commands(TyperGroup):
             ) from error
 
 
+class _Command(TyperCommand):
+    """One command, whose help has its options in groups."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401
+        """Print arguments, then each group of options; that of `--help` last."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                is_option = parameter.param_type_name == "option"
+                panel = getattr(parameter, "rich_help_panel", None)
+                title = panel or ("Options" if is_option else "Arguments")
+                groups.setdefault(title, []).append(record)
+        groups["Options"] = groups.pop("Options", [])
+        for title, records in groups.items():
+            with formatter.section(title):
+                formatter.write_dl(records)
+
+
 def _given_twice(command: Any, words: list[str]) -> list[str]:  # noqa: ANN401
     """Return the options with one value for which there are two."""
     options = {
@@ -131,7 +150,7 @@ for command in (
 ):
     # A short help that is given is printed whole; one that is found is cut.
     summary = " ".join((command.__doc__ or "").partition("\n\n")[0].split())
-    app.command(short_help=summary)(command)
+    app.command(cls=_Command, short_help=summary)(command)
 
 
 def _print_version(wanted: bool) -> None:  # noqa: FBT001 - typer calls it so

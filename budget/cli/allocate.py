@@ -1,4 +1,4 @@
-"""`budget allocate`: a requirement in, what each line of the data sheet may be out."""
+"""`budget allocate`: a requirement in, allowable specification values out."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def allocate(
     environment: options.Environment = None,
     strategy: Annotated[
         Literal["equal", "proportional", "cost"] | None,
-        typer.Option(
+        options.computed(
             case_sensitive=False,
             help="How limits are shared out (proportional; cost where --costs is).",
             show_default=False,
@@ -38,50 +38,57 @@ def allocate(
     ] = None,
     costs: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Costs file; other lines have a = p = 1."),
+        options.computed(
+            metavar="FILE", help="Costs file; other lines have a = p = 1."
+        ),
     ] = None,
     fix: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             metavar="SOURCE",
-            help="Hold this line, as gyro.bias_stability; may be given again.",
+            autocompletion=options.complete_source,
+            help="Hold this specification, as gyro.bias_stability; may be given again.",
             show_default=False,
         ),
     ] = None,
     most: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             "--max",
+            autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
-            help="Largest value of a line, as 'bias_stability=0.1 deg/h' (scale "
+            help="Largest value, as 'bias_stability=0.1 deg/h' (scale "
             "factors 1 %, angles 1 deg, others 100 times the present value).",
             show_default=False,
         ),
     ] = None,
     least: Annotated[
         list[str] | None,
-        typer.Option(
+        options.computed(
             "--min",
+            autocompletion=options.complete_line,
             metavar="SOURCE=VALUE",
-            help="Least value of a line, largest axis, 1 sigma.",
+            help="Least value of a specification, largest axis, 1 sigma.",
             show_default=False,
         ),
     ] = None,
     market: Annotated[
         bool,
-        typer.Option(
-            "--market", help="No line better than the best in the catalogue, or now."
+        options.computed(
+            "--market",
+            help="No specification better than the best in the catalogue, or now.",
         ),
     ] = False,
     write: Annotated[
         Path | None,
-        typer.Option(
+        options.written(
             metavar="FILE.yaml", help="Write the allocated device as a device file."
         ),
     ] = None,
     seed: options.Seed = 0,
     no_validate: options.NoValidate = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
     _templates: options.Templates = None,
@@ -89,7 +96,7 @@ def allocate(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Find the standard uncertainty that each line may have for a requirement.
+    """Find the standard uncertainty that each specification may have.
 
     The device is where it starts. Exit code 1 where what is allocated meets the
     requirement on conditions alone or cannot be judged; 1, and no file written, where
@@ -156,7 +163,7 @@ def allocate(
 
     show = partial(
         hand_out,
-        sections=lambda: allocation_answer(allocation),
+        sections=lambda: allocation_answer(allocation, full=full),
         title=allocation.title,
         language=language,
     )

@@ -6,8 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from budget.cli import options
 
 if TYPE_CHECKING:
@@ -28,14 +26,9 @@ def analyze(
     age: options.Age = None,
     environment: options.Environment = None,
     asked: options.Asked,
-    brief: Annotated[
-        bool,
-        typer.Option(
-            "--brief", help="Print the worst axis of each parameter, and no more."
-        ),
-    ] = False,
     exit_code: options.ExitCode = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     language: options.Language = "en",
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
@@ -43,7 +36,7 @@ def analyze(
     """Compute the error budget of a calibration, or of a mission after it.
 
     For every scale factor, mounting angle and bias: its expected error, standard
-    uncertainty and coverage interval, and what each specification line contributes. Of
+    uncertainty and coverage interval, and what each specification contributes. Of
     a mission what `budget mission` says. With a requirement the verdict comes first;
     the exit code is 0 whatever it is, but for --exit-code.
     """
@@ -52,11 +45,6 @@ def analyze(
 
     if mission is None and at:
         raise CallError("--at is a time of a mission: name one with --mission")
-    if mission is not None and brief:
-        raise CallError(
-            "--brief prints the worst axis of each parameter, and a mission has none: "
-            "leave it out"
-        )
     options.check_exit_code(requirement, exit_code=exit_code, accept=accept)
     budget = compute(
         devices,
@@ -73,7 +61,7 @@ def analyze(
         documents=(json, csv),
         command="analyze",
     )
-    deliver(budget, json=json, csv=csv, brief=brief, language=language)
+    deliver(budget, json=json, csv=csv, full=full, language=language)
     options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)
 
 

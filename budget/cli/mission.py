@@ -1,4 +1,4 @@
-"""`budget mission`: what the errors do to navigation, and which line is to blame."""
+"""`budget mission`: what the errors do to navigation, and their main contributors."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ def mission(
     asked: options.Asked,
     exit_code: options.ExitCode = False,
     accept: options.Accept = "meets",
+    full: options.Full = False,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
     _templates: options.Templates = None,
@@ -36,7 +37,7 @@ def mission(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Say how far off navigation is after a calibration, and because of which line.
+    """Say how far off navigation is after a calibration, and the main contributors.
 
     Position (CEP, R95, DRMS), velocity and attitude at some times of a mission, with
     the errors that the calibration leaves at a later turn-on and the noise in run. With
@@ -70,6 +71,7 @@ def mission(
         json=json,
         csv=csv,
         pages=pages_asked(context, output, paper, language, make),
+        full=full,
         language=language,
     )
     options.exit_by(budget.assessment, exit_code=exit_code, accept=accept)

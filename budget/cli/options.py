@@ -120,22 +120,80 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
-def complete_device(incomplete: str) -> list[str]:
-    """Complete the name of a shipped device, or a file that is there."""
-    from budget.inputs.files import shipped_names
+def completing(kind: str, *words: str) -> Callable[[str], list[str]]:
+    """Return what completes the name of a shipped file of a kind, or one there.
 
-    folder, slash, start = incomplete.rpartition("/")
-    found = [name for name in shipped_names("device") if name.startswith(incomplete)]
-    with suppress(OSError):  # no such folder: nothing to complete
-        for path in Path(folder + slash).iterdir():
-            if path.name.startswith(start):
-                named = f"{folder}{slash}{path.name}"
-                if path.is_dir():
-                    found.append(f"{named}/")
-                elif path.suffix.lower() in {".yaml", ".yml"}:
-                    found.append(named)
-    return sorted(found)
+    Of words that may stand in its place, too.
+    """
 
+    def complete(incomplete: str) -> list[str]:
+        from budget.inputs.files import shipped_names
+
+        folder, slash, start = incomplete.rpartition("/")
+        names = (*words, *shipped_names(kind))
+        found = [name for name in names if name.startswith(incomplete)]
+        with suppress(OSError):  # no such folder: nothing to complete
+            for path in Path(folder + slash).iterdir():
+                if path.name.startswith(start):
+                    named = f"{folder}{slash}{path.name}"
+                    if path.is_dir():
+                        found.append(f"{named}/")
+                    elif path.suffix.lower() in {".yaml", ".yml"}:
+                        found.append(named)
+        return sorted(found)
+
+    return complete
+
+
+complete_device = completing("device")
+
+
+def complete_line(incomplete: str) -> list[str]:
+    """Complete the name of a specification to which a value is given."""
+    from budget.inputs.changes import RANGE
+    from budget.model.sources import SENSORS, lines_of
+
+    names = (
+        f"{owner}.{name}="
+        for owner in SENSORS
+        for name in (*(one.name for one in lines_of(owner)), RANGE)
+    )
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def complete_source(incomplete: str) -> list[str]:
+    """Complete the name of an error source, of sensors, station or environment."""
+    from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+
+    names = (
+        f"{owner}.{one.name}"
+        for owner in (*SENSORS, STATION, ENVIRONMENT)
+        for one in lines_of(owner)
+        if one.may_vary
+    )
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def complete_output(incomplete: str) -> list[str]:
+    """Complete the last of some outputs: gyro, gyro.bias or gyro.bias.z."""
+    from budget.model.sources import SENSORS
+    from budget.names import quantities_of
+
+    before, comma, last = incomplete.rpartition(",")
+    names: list[str] = []
+    for owner in SENSORS:
+        names.append(owner)
+        for quantity, axes in quantities_of(owner).items():
+            whole = f"{owner}.{quantity}"
+            names += [whole, *(f"{whole}.{axis}" for axis in axes)]
+    return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
+
+
+# Options by what they are of: `--help` shows them so.
+judged = partial(typer.Option, rich_help_panel="What is judged")
+calibrated = partial(typer.Option, rich_help_panel="Calibration and use")
+computed = partial(typer.Option, rich_help_panel="How it is computed")
+written = partial(typer.Option, rich_help_panel="Where it goes")
 
 Devices = Annotated[
     list[str] | None,
@@ -149,25 +207,32 @@ Devices = Annotated[
 ]
 ProcedureFile = Annotated[
     Path | None,
-    typer.Option("--procedure", metavar="FILE", help="Procedure file (the paper's)."),
+    calibrated(
+        "--procedure",
+        autocompletion=completing("procedure"),
+        metavar="FILE",
+        help="Procedure file (the paper's).",
+    ),
 ]
 StationFile = Annotated[
     Path | None,
-    typer.Option(
+    calibrated(
         "--station",
+        autocompletion=completing("station"),
         metavar="FILE",
         help="Station file: what is not known of table, place and environment (an "
         "ideal one).",
         show_default=False,
     ),
 ]
-MISSION: Any = typer.Option(
+MISSION: Any = judged(
     "--mission",
+    autocompletion=completing("mission"),
     metavar="FILE",
     help="Mission file, or the name of one that ships, as bench.",
     show_default=False,
 )
-AT: Any = typer.Option(
+AT: Any = judged(
     "--at",
     parser=_time,
     metavar="TIME",
@@ -178,7 +243,8 @@ AT: Any = typer.Option(
 At = Annotated[list[float] | None, AT]
 Calibration = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
+        autocompletion=completing("procedure", "none", "factory"),
         metavar="none|factory|PROCEDURE",
         help="What calibrated the unit: nothing, its maker, or a procedure (its maker "
         "for a mission; the paper's for limits on the calibration).",
@@ -187,7 +253,7 @@ Calibration = Annotated[
 ]
 Age = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
         metavar="TIME",
         help="Time from the calibration to its use, as '1 year': what ages has gone "
         "that long (--reference next_turn_on).",
@@ -196,7 +262,7 @@ Age = Annotated[
 ]
 Environment = Annotated[
     str | None,
-    typer.Option(
+    calibrated(
         metavar="TEXT|none",
         help="That the unit is used in, as 'temperature 20 degC, vibration 1 g' "
         "(difference from the test, 1 sigma; rms), or none, as in its test "
@@ -206,7 +272,7 @@ Environment = Annotated[
 ]
 Accept = Annotated[
     Literal["meets", "meets_if"],
-    typer.Option(
+    judged(
         case_sensitive=False,
         help="The least verdict whose exit code is 0: meets_if accepts conditions that "
         "nobody has stated.",
@@ -214,26 +280,27 @@ Accept = Annotated[
 ]
 ExitCode = Annotated[
     bool,
-    typer.Option(
+    judged(
         "--exit-code", help="Exit with 1 where the requirement is not met (0 always)."
     ),
 ]
-FIRST_TRIALS: Any = typer.Option(
+FIRST_TRIALS: Any = computed(
     "--trials",
     parser=_number_of_trials,
     metavar="N",
     help="Monte Carlo trials of each device at first (100000).",
     show_default=False,
 )
-MOST_OF_A_DEVICE: Any = typer.Option(
+MOST_OF_A_DEVICE: Any = computed(
     "--max-trials",
     parser=_number_of_trials,
     metavar="N",
     help="The most of a device whose verdict or rank is open (1600000).",
     show_default=False,
 )
-REQUIREMENT: Any = typer.Option(
+REQUIREMENT: Any = judged(
     "--requirement",
+    autocompletion=completing("requirement"),
     metavar="FILE",
     help="Requirement file; its coverage and error reference rule.",
 )
@@ -247,7 +314,7 @@ def _with_room(paths: list[Path] | None) -> list[Path] | None:
     return paths
 
 
-OUTPUT: Any = typer.Option(
+OUTPUT: Any = written(
     "-o",
     "--output",
     metavar="FILE",
@@ -267,7 +334,7 @@ def _own_templates(context: typer.Context, folder: Path | None) -> Path | None:
 
 Templates = Annotated[
     Path | None,
-    typer.Option(
+    written(
         "--templates",
         metavar="DIR",
         is_eager=True,  # targets of an export may stand there
@@ -278,21 +345,21 @@ Templates = Annotated[
 ]
 Paper = Annotated[
     Literal["a4", "letter"],
-    typer.Option(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),
+    written(case_sensitive=False, help="Sheets of a PDF: A4, or US Letter."),
 ]
 Language = Annotated[
     Literal["en", "zh"],
-    typer.Option(
+    written(
         case_sensitive=False, help="Language of results and pages: English, or Chinese."
     ),
 ]
 Method = Annotated[
     Literal["gum", "monte-carlo", "simulation"],
-    typer.Option(case_sensitive=False, help="How uncertainty is propagated."),
+    computed(case_sensitive=False, help="How uncertainty is propagated."),
 ]
 Trials = Annotated[
     int | None,
-    typer.Option(
+    computed(
         parser=_trials,
         metavar="N|adaptive",
         help="Monte Carlo trials (adaptive) or simulated runs (200).",
@@ -301,7 +368,7 @@ Trials = Annotated[
 ]
 Digits = Annotated[
     int,
-    typer.Option(
+    computed(
         min=1,
         max=2,
         help="Digits of the uncertainty that adaptive trials and validation make sure.",
@@ -309,7 +376,7 @@ Digits = Annotated[
 ]
 MaxTrials = Annotated[
     int | None,
-    typer.Option(
+    computed(
         parser=_number_of_trials,
         metavar="N",
         help="Where adaptive trials stop at the latest (2000000).",
@@ -318,14 +385,14 @@ MaxTrials = Annotated[
 ]
 Full = Annotated[
     bool,
-    typer.Option("--full", help="Everything: not the answer alone, all that is known."),
+    written("--full", help="Everything: not the answer alone, all that is known."),
 ]
 Sobol = Annotated[
-    bool, typer.Option("--sobol", help="Estimate Sobol' indices of the sources too.")
+    bool, computed("--sobol", help="Estimate Sobol' indices of the sources too.")
 ]
 Samples = Annotated[
     int | None,
-    typer.Option(
+    computed(
         min=2,
         max=2**20,
         metavar="N",
@@ -335,12 +402,12 @@ Samples = Annotated[
 ]
 NoValidate = Annotated[
     bool,
-    typer.Option("--no-validate", help="Do not check the law by Monte Carlo."),
+    computed("--no-validate", help="Do not validate GUM propagation by Monte Carlo."),
 ]
-Seed = Annotated[int, typer.Option(min=0, metavar="S", help="Same seed, same numbers.")]
+Seed = Annotated[int, computed(min=0, metavar="S", help="Same seed, same numbers.")]
 Workers = Annotated[
     int,
-    typer.Option(
+    computed(
         min=1,
         metavar="N",
         callback=_processes,
@@ -350,7 +417,7 @@ Workers = Annotated[
 ]
 Cluster = Annotated[
     str | None,
-    typer.Option(
+    computed(
         metavar="ADDRESS",
         help="Run on a Dask cluster, as tcp://host:port; changes no number.",
         show_default=False,
@@ -358,7 +425,7 @@ Cluster = Annotated[
 ]
 Coverage = Annotated[
     float | None,
-    typer.Option(
+    computed(
         parser=_coverage,
         metavar="P",
         help="Probability of the intervals, 0.95 or '95 %' (0.95).",
@@ -367,13 +434,11 @@ Coverage = Annotated[
 ]
 Interval = Annotated[
     Literal["symmetric", "shortest"],
-    typer.Option(
-        case_sensitive=False, help="Coverage interval of Monte Carlo results."
-    ),
+    computed(case_sensitive=False, help="Coverage interval of Monte Carlo results."),
 ]
 Reference = Annotated[
     Literal["nominal", "as_tested", "next_turn_on"] | None,
-    typer.Option(
+    computed(
         case_sensitive=False,
         help="Error reference: what errors are counted from (nominal).",
         show_default=False,
@@ -381,7 +446,8 @@ Reference = Annotated[
 ]
 Only = Annotated[
     list[str] | None,
-    typer.Option(
+    computed(
+        autocompletion=complete_source,
         metavar="SOURCE",
         help="Count this source alone, as gyro.bias_stability or bias_stability; "
         "may be given again.",
@@ -390,8 +456,9 @@ Only = Annotated[
 ]
 Changes = Annotated[
     list[str] | None,
-    typer.Option(
+    judged(
         "--set",
+        autocompletion=complete_line,
         metavar="LINE=VALUE",
         help="Another value than the file's, as gyro.bias_stability='0.02 deg/h', of "
         "an axis gyro.bias_repeatability.x=..., of one device NAME:gyro...; may be "
@@ -401,7 +468,8 @@ Changes = Annotated[
 ]
 Outputs = Annotated[
     list[str] | None,
-    typer.Option(
+    written(
+        autocompletion=complete_output,
         metavar="NAME,...",
         help="Show these alone, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
         "derived of the mounting angles: rotation, non_orthogonality, misalignment; "
@@ -411,14 +479,14 @@ Outputs = Annotated[
 ]
 Matrices = Annotated[
     bool,
-    typer.Option(
+    written(
         "--matrices",
         help="Add the matrices that turn readings into inputs, with uncertainties.",
     ),
 ]
 Kinds = Annotated[
     list[Kind] | None,
-    typer.Option(
+    judged(
         "--kind",
         case_sensitive=False,
         help="Of the catalogue what has this, alone or in an IMU, or is an IMU; may be "
@@ -428,7 +496,7 @@ Kinds = Annotated[
 ]
 Grades = Annotated[
     list[Grade] | None,
-    typer.Option(
+    judged(
         "--grade",
         case_sensitive=False,
         help="Of the catalogue what has this grade, of that kind; may be given again.",
@@ -437,20 +505,20 @@ Grades = Annotated[
 ]
 Missing = Annotated[
     Literal["refuse", "worst", "typical", "predict"],
-    typer.Option(
+    judged(
         case_sensitive=False,
-        help="What stands for expected lines that a device does not give: nothing, the "
+        help="What stands for expected specifications not given: nothing, the "
         "worst or the median of comparable devices, or a distribution predicted from "
         "them. Exit codes go by refuse.",
     ),
 ]
 JsonFile = Annotated[
     Path | None,
-    typer.Option("--json", metavar="FILE|-", help="Write the result as JSON."),
+    written("--json", metavar="FILE|-", help="Write the result as JSON."),
 ]
 CsvFile = Annotated[
     Path | None,
-    typer.Option("--csv", metavar="FILE|-", help="Write the result as CSV."),
+    written("--csv", metavar="FILE|-", help="Write the result as CSV."),
 ]
 
 

@@ -126,7 +126,7 @@ def deliver(
     *,
     json: Path | None,
     csv: Path | None,
-    brief: bool = False,
+    full: bool = False,
     pages: Mapping[Path, str | bytes] | None = None,
     language: str = ENGLISH,
 ) -> None:
@@ -137,9 +137,8 @@ def deliver(
         from budget.report.analysis.groups import budget_answer
         from budget.report.analysis.mission import mission_answer
 
-        if budget.mission is not None:
-            return mission_answer(budget)
-        return budget_answer(budget, brief=brief)
+        answer = budget_answer if budget.mission is None else mission_answer
+        return answer(budget, full=full)
 
     if csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:

@@ -58,7 +58,7 @@ def station(
     environment: options.Environment = None,
     ratio: Annotated[
         float | None,
-        typer.Option(
+        options.judged(
             parser=_ratio,
             metavar="N:1",
             help="Limit over the expanded uncertainty of the station alone (4:1).",
@@ -67,7 +67,7 @@ def station(
     ] = None,
     guard: Annotated[
         float | None,
-        typer.Option(
+        options.judged(
             parser=_guard,
             metavar="R",
             help="Guard band of the acceptance limits, over the expanded uncertainty "
@@ -77,7 +77,7 @@ def station(
     ] = None,
     strategy: Annotated[
         Literal["equal", "proportional"],
-        typer.Option(
+        options.computed(
             case_sensitive=False,
             help="How figures share the limits: in equal parts, or in proportion to "
             "the procedure's own station.",
@@ -85,8 +85,9 @@ def station(
     ] = "equal",
     stations: Annotated[
         list[Path] | None,
-        typer.Option(
+        options.judged(
             "--station",
+            autocompletion=options.completing("station"),
             metavar="FILE",
             help="A station file to judge beside the shipped ones; may be given again.",
             show_default=False,
@@ -94,11 +95,12 @@ def station(
     ] = None,
     write: Annotated[
         Path | None,
-        typer.Option(
+        options.written(
             metavar="FILE.yaml",
             help="Write what the figures may be together as a station file.",
         ),
     ] = None,
+    full: options.Full = False,
     output: Annotated[list[Path] | None, options.OUTPUT] = None,
     paper: options.Paper = "a4",
     _templates: options.Templates = None,
@@ -165,7 +167,7 @@ def station(
             (json, lambda: json_text(found.to_dict())),
             (csv, lambda: table_csv("station_figure", found.figures)),
         ),
-        lambda: station_answer(found),
+        lambda: station_answer(found, full=full),
         title=found.title,
         pages=written | pages_asked(context, output, paper, language, make),
         language=language,

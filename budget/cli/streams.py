@@ -161,7 +161,7 @@ def console() -> Console:
                     else part._replace(text=without_controls(part.text))
                 )
 
-    return Escaped()
+    return Escaped(force_terminal=sys.stdout.isatty())  # whatever FORCE_COLOR says
 
 
 def _nowhere() -> TextIO:

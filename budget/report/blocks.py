@@ -323,6 +323,7 @@ class Section:
     blocks: tuple[Block, ...]
     # Whether it belongs to the answer on page one; those sections come first.
     on_first_page: bool = False
+    verdict: str = ""  # that the title says, 'fails': a terminal has a colour for it
     # What a terminal prints in its place, '' for nothing; None for its blocks.
     in_brief: str | None = None
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from textwrap import shorten
 from typing import TYPE_CHECKING
 
 from budget.documents import written
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
     from budget.report.blocks import Section
 
 TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "range", "notes")
-LONGEST = 40  # characters of a technology in the list, in its maker's words
 
 
 def list_sections(devices: Sequence[Device]) -> tuple[Section, ...]:
@@ -31,7 +29,6 @@ def list_sections(devices: Sequence[Device]) -> tuple[Section, ...]:
         "devices",
         devices=devices,
         bare_name=bare_name,
-        short=lambda text: shorten(text, LONGEST),
     )
 
 

@@ -369,7 +369,9 @@ def _blocks(
                     numbered=node.type == "ordered_list",
                 )
             case "table" if caption is None and not _text(node.children[0]).strip():
-                rows = (row.children for row in node.children[1].children)
+                rows = (
+                    row.children for part in node.children[1:] for row in part.children
+                )
                 yield Pairs(
                     rows=tuple((_text(one), _words(of, objects)) for one, of in rows)
                 )

@@ -60,8 +60,8 @@ PER_CENT = 100.0
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 
 
-def station_answer(found: Qualification) -> tuple[Section, ...]:
-    """Return what stands on a terminal: the answer, and what was assumed."""
+def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section, ...]:
+    """Return what stands on a terminal: the answer, in full or in brief."""
     tried = [one for one in found.stations if one.has_figures]
     nearest = min(tried, key=lambda one: settle(one.utilisation), default=None)
     of_all = min(found.doing, key=lambda one: settle(one.utilisation), default=nearest)
@@ -69,7 +69,7 @@ def station_answer(found: Qualification) -> tuple[Section, ...]:
     shown = [own] if own else tried
     risk = float(NORMAL.probability([-found.guard * found.coverage_factor])[0])
     return sections(
-        "station",
+        "station" if full else "station_brief",
         found=found,
         nearest=nearest,
         headed=(own or of_all) if tried else None,

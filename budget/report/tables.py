@@ -52,6 +52,7 @@ NEAR_LIMIT = 0.01  # [1]; a utilisation this close to 1 gets one more digit
 DASH = "-"  # nothing to say
 DIGITS = 3  # of an allocated value: it is a specification, not a measurement
 HEADING = "heading"
+LEAST_OF_UNIT = 0.1  # [1]; a smaller error is read in a unit of its own
 # Units that an error is read in, the first one up to the next [SI]. Heading by itself,
 # which may be a hundred times tilt.
 ANGLE_UNITS = (("arcsec", ARCSEC), ("arcmin", 60.0 * ARCSEC), ("deg", 3600 * ARCSEC))
@@ -336,11 +337,19 @@ def used_part(row: OutputAssessment) -> Number:
 
 
 def as_limited(row: OutputAssessment) -> OutputAssessment:
-    """Return an output of a mission in the unit of its limit, others as they are."""
-    if row.output.name.owner != MISSION:
+    """Return an output of a mission in the unit of its limit, others as they are.
+
+    An error below a tenth of that unit is in its own: 2.7 m, not 0.0027 km.
+    """
+    name = row.output.name
+    if name.owner != MISSION:
         return row
     limit = parse_quantity(row.printed_limit, row.output.unit)
-    output = replace(row.output, unit=limit.unit, si_per_unit=limit.si_per_unit)
+    unit = (limit.unit, limit.si_per_unit)
+    if settle(row.largest_error / limit.si_per_unit) < LEAST_OF_UNIT:
+        like = HEADING if name.axis == HEADING else name.quantity
+        unit = unit_for(like, row.largest_error)
+    output = replace(row.output, unit=unit[0], si_per_unit=unit[1])
     return replace(row, output=output)
 
 

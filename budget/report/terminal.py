@@ -1,7 +1,8 @@
-"""Sections on a terminal: of any width from 40 columns, without colour, in ASCII.
+"""Sections on a terminal: of any width from 40 columns, in ASCII if need be.
 
 A page and a terminal show the same blocks. A terminal draws no figure, sets no formula,
-and puts the columns of a table that do not fit into further tables below it.
+and puts the columns of a table that do not fit into further tables below it. Verdicts
+are in colour where the terminal has any, and say the same without.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from budget.report.tables import (
     AT_MOST,
     align_decimals,
 )
+from budget.report.writing import VERDICTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -42,6 +44,7 @@ EIGHTHS = " ▏▎▍▌▋▊▉█"
 TEXT_WIDTH = 78  # running text is no wider, however wide the terminal
 NARROWEST_BAR, WIDEST_BAR = 4, 40  # [columns]
 WIDEST_CELL = (32, 24)  # columns of a text beside others, where room is scarce
+NARROW_CELL = 16  # where that keeps a table whole
 GAP = 2  # columns between columns
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -60,6 +63,8 @@ BREAK = re.compile(
     "(?<![\u300a\u300c\uff08])"
 )
 BOUND = re.compile(r"(?<=\d) (?=\S)|(?<=[<>]=) (?=\d)")  # a number, its unit and sign
+COLOURS = {"meets": "green", "fails": "red"}  # of verdicts
+OPEN = "yellow"  # of all others
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<=", "\N{INFINITY}": "inf"})
 
 
@@ -72,10 +77,13 @@ class Page:
         self.width = console.width
         self.has_blocks = _encodes(EIGHTHS, console.encoding)
 
-    def line(self, text: str = "", *, style: str = "") -> None:
+    def line(
+        self, text: str = "", *, style: str = "", verdicts: Sequence[str] = ()
+    ) -> None:
         """Print one line; a blank one parts, so that none follows another.
 
-        rich neither wraps a line nor reads markup in it.
+        rich neither wraps a line nor reads markup in it. Words of it that are verdicts
+        are in their colours.
         """
         from rich.text import Text
 
@@ -87,12 +95,16 @@ class Page:
             for character, plain in ASCII.items():
                 text = text.replace(character, plain)
             text = text.encode(encoding, errors="replace").decode(encoding)
-        self._console.print(Text(text.rstrip(), style=style), soft_wrap=True)
+        shown = Text(text.rstrip(), style=style)
+        for word in verdicts:
+            shown.highlight_words([word], _colour_of(word))
+        self._console.print(shown, soft_wrap=True)
 
     def heading(self, text: str, *, style: str) -> None:
         """Print a title over as many lines as it needs."""
+        verdict = _verdict_at_end(text)
         for line in _wrap(text, self.width):
-            self.line(line, style=style)
+            self.line(line, style=style, verdicts=[verdict] if verdict else ())
 
     def paragraph(self, text: str, *, first: str = "") -> None:
         """Print running text, indented below `first`; a number keeps its unit."""
@@ -122,7 +134,8 @@ def print_sections(sections: Iterable[Section], page: Page) -> None:
         if section.in_brief is not None:
             page.line(section.in_brief, style="bold")
             continue
-        page.heading(section.title, style="bold")
+        colour = COLOURS.get(section.verdict, OPEN) if section.verdict else ""
+        page.heading(section.title, style=f"bold {colour}".rstrip())
         print_blocks(section.blocks, page)
 
 
@@ -191,10 +204,13 @@ def print_table(table: Table, page: Page) -> None:
     of the tables. Where even one more has no room beside it, every row is a list of its
     fields. Numbers are never cut or broken.
     """
-    for widest in (page.width, *WIDEST_CELL):
+    for widest in (page.width, *WIDEST_CELL, NARROW_CELL):
         columns = [_set(table, place, widest) for place in range(len(table.columns))]
-        parts = _parts(columns, page.width)
-        if parts is not None and len(parts) == 1:
+        tried = _parts(columns, page.width)
+        is_whole = tried is not None and len(tried) == 1
+        if is_whole or widest != NARROW_CELL:
+            parts = tried
+        if is_whole:
             break
     if parts is None:
         _print_fields(table, page)
@@ -252,8 +268,10 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
 
 
 def _break(text: str, width: int) -> list[str]:
-    """Break a text between words; one line at least."""
-    return _wrap(text, width, on_hyphens=False) or [""]
+    """Break a text between words; a number keeps its unit; one line at least."""
+    bound = BOUND.sub(NO_BREAK, text)
+    lines = _wrap(bound, width, on_hyphens=False) or [""]
+    return [line.replace(NO_BREAK, " ") for line in lines]
 
 
 def _columns(text: str) -> int:
@@ -300,7 +318,9 @@ def _print_part(
     ) -> None:
         pairs = zip(columns, cells, strict=True)
         texts = [column.line(cell, place) for column, cell in pairs]
-        page.line((" " * GAP).join([*texts, end]), style=style)
+        words = [cell[place] for cell in cells if place < len(cell)]
+        verdicts = [word for word in words if word in _verdicts()]
+        page.line((" " * GAP).join([*texts, end]), style=style, verdicts=verdicts)
 
     room = page.width - sum(GAP + column.width for column in columns)
     bars = _bars(columns, min(room, WIDEST_BAR), page)
@@ -356,6 +376,22 @@ def _print_fields(table: Table, page: Page) -> None:
 def _notes(row: Sequence[Cell]) -> str:
     """Return what is remarked on the cells of a row, below which it stands."""
     return say("; ").join(cell.note for cell in row if cell.note.strip())
+
+
+def _verdicts() -> dict[str, str]:
+    """Return the verdicts by how they are said, the longest first."""
+    said = {say(word): verdict for verdict, word in VERDICTS.items()}
+    return dict(sorted(said.items(), key=lambda one: -len(one[0])))
+
+
+def _colour_of(word: str) -> str:
+    """Return the colour of a verdict as it is said."""
+    return COLOURS.get(_verdicts()[word], OPEN)
+
+
+def _verdict_at_end(title: str) -> str:
+    """Return the verdict that a title ends with, 'Gyro: FAILS', or ''."""
+    return next((word for word in _verdicts() if title.endswith(word)), "")
 
 
 def _plain(words: Words) -> str:

@@ -386,7 +386,7 @@ def test_report_has_a_section_on_the_allocation(gyro, tmp_path):
         *("--no-validate", "-o", str(page)),
     )
     assert run.code == 0
-    assert "What each line may be" in page.read_text(encoding="utf-8")
+    assert "Allowable specification values" in page.read_text(encoding="utf-8")
 
     without = call("report", "--allocate", "-o", str(tmp_path / "other.html"))
     assert without.code == 2

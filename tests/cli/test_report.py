@@ -154,7 +154,7 @@ def test_allocation_and_comparison_go_with_it(tmp_path):
     names = {row["name"] for row in document["comparison"]["devices"]}
     assert names == {"one (C)", "two", "two (C)"}
     text = page.read_text(encoding="utf-8")
-    assert "What each line may be" in text
+    assert "Allowable specification values" in text
     for file in document["comparison"]["inputs"]:
         assert file["sha256"] in text
 

@@ -277,7 +277,6 @@ def test_a_sweep_follows_a_mission():
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (("--mission", "bench", "--brief"), "a mission has none"),
         (("--mission", "bench", "--outputs", "bias"), "leave --outputs"),
         (("--mission", "bench", "--reference", "nominal"), "turn-on of its own"),
         (("--at", "1 h"), "name one with --mission"),

@@ -125,7 +125,7 @@ VALUES = {
     "--rate": ("100", "200 Hz"),
     "--inflate": ("1", "2.5"),
 }
-FLAGS = ("--brief", "--exit-code", "--strict", "--market", "--pairs", "--residual")
+FLAGS = ("--full", "--exit-code", "--strict", "--market", "--pairs", "--residual")
 COMMANDS = (
     *("analyze --no-validate", "mission --no-validate --mission outage-10-s"),
     "allocate --no-validate --requirement navigation-grade",

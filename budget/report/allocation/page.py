@@ -36,10 +36,12 @@ TAKEN = 0.01  # part of the squared limit from which one is named [1]
 SHARP = 1e-12  # below it a residual is the rounding of the processor [1]
 
 
-def allocation_answer(allocation: Allocation) -> tuple[Section, ...]:
-    """Return what stands alone on a terminal: the allocation and what was assumed."""
+def allocation_answer(
+    allocation: Allocation, *, full: bool = True
+) -> tuple[Section, ...]:
+    """Return what stands alone on a terminal: in full with what was assumed."""
     return sections(
-        "allocation",
+        "allocation" if full else "allocation_brief",
         found=allocation,
         held=by_group(allocation.not_estimated),
         relaxed=list(relaxations(allocation.impossible)),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.names import AXES
@@ -19,9 +20,10 @@ from budget.report.figures.contributions import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import sobol_chart
-from budget.report.pages import line, sections
+from budget.report.pages import blocks, line, sections
 from budget.report.readings import effect_line, verdict_line
 from budget.report.tables import (
+    DASH,
     bound_number,
     group_tables,
     round_error,
@@ -29,34 +31,102 @@ from budget.report.tables import (
     settings_lines,
 )
 from budget.report.wording import mode_sentence, not_given_lines
-from budget.results import CONVENTION
+from budget.results import CONVENTION, worst_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.inputs.records import Procedure
+    from budget.names import Name
     from budget.report.blocks import Block
-    from budget.report.tables import GroupTable, Number
-    from budget.results import Assessment, Budget, Compensation
+    from budget.report.tables import GroupTable, Number, OutputRow
+    from budget.results import (
+        Assessment,
+        Budget,
+        Compensation,
+        OutputAssessment,
+        OutputBudget,
+    )
 
 TESTED = ("procedure", "station", "mission", "trajectory")  # roles of files
 
 
-def budget_answer(budget: Budget, *, brief: bool = False) -> tuple[Section, ...]:
-    """Return what stands on a terminal: the answer, all groups, what they rest on.
+def budget_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
+    """Return what stands on a terminal: in full all groups, and what they rest on.
 
-    In brief it is the answer, and what a reader must know beside it.
+    Else it is the answer in brief, and what a reader must know beside it.
     """
-    view = {"groups": group_tables(budget), "headline": headline(budget, None)}
-    verdict = verdict_sections(budget, _cards)
-    if brief:
-        return (*verdict, *_page("brief", budget, **view))
+    groups = group_tables(budget)
+    view = {"groups": groups, "headline": headline(budget, None)}
     judged = budget.assessment
+    if not full:
+        return brief_sections(budget, _worst_blocks(budget, groups))
     return (
-        *verdict,
+        *verdict_sections(budget, _cards),
         *_page("worst", budget, **view),
         *((limits_section(budget, judged),) if judged else ()),
         *_page("groups", budget, **view),
+    )
+
+
+def brief_sections(
+    budget: Budget,
+    own: Iterable[Block],
+    title: str = "",
+    under: Iterable[Block] = (),
+) -> tuple[Section, ...]:
+    """Return an answer in brief, under a title of its own where nothing is judged.
+
+    What a verdict depends on stands right `under` it, where `own` does not say it.
+    """
+    judged = budget.assessment
+    answer = Section(
+        name="verdict",
+        title=title if judged is None and title else headline(budget, judged),
+        verdict="" if judged is None else judged.verdict,
+        blocks=(*under, Paragraph(words=summary(budget, judged)), *own),
+    )
+    return (answer, *_page("asked", budget))
+
+
+def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, ...]:
+    """Return the worst output of each group, and what a reader must know beside it."""
+    return blocks(
+        "analysis/brief",
+        budget=budget,
+        assessment=budget.assessment,
+        worst=[_worst(budget.assessment, group) for group in groups],
+        lacks=lacking(budget),
+        DASH=DASH,
+    )
+
+
+def lacking(budget: Budget) -> list[Name]:
+    """Return the specifications not given without which numbers are bounds."""
+    return list(dict.fromkeys(name for row in budget.outputs for name in row.lacks))
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorstOutput:
+    """The output of a group that uses most of its limit; without any the widest."""
+
+    output: OutputBudget
+    number: OutputRow
+    limited: OutputAssessment | None
+
+
+def _worst(assessment: Assessment | None, group: GroupTable) -> WorstOutput:
+    """Return that of a group."""
+    names = [row.output.name for row in group.outputs]
+    limited = [
+        row
+        for row in (assessment.outputs if assessment else ())
+        if row.output.name in names
+    ]
+    worst = worst_of(limited) if limited else None
+    place = names.index(worst.output.name) if worst else group.rows.index(group.widest)
+    return WorstOutput(
+        output=group.outputs[place], number=group.rows[place], limited=worst
     )
 
 
@@ -135,6 +205,7 @@ def verdict_sections(
     yield Section(
         name="verdict",
         title=headline(budget, assessment),
+        verdict=assessment.verdict,
         blocks=(
             *under(assessment),
             Paragraph(words=summary(budget, assessment)),

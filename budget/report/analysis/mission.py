@@ -7,9 +7,14 @@ from typing import TYPE_CHECKING
 from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION
-from budget.report.analysis.groups import rest_sections, verdict_sections
+from budget.report.analysis.groups import (
+    brief_sections,
+    lacking,
+    rest_sections,
+    verdict_sections,
+)
 from budget.report.analysis.verdict import answer_rows
-from budget.report.blocks import Abreast, Card, Paragraph
+from budget.report.blocks import Abreast, Card, Paragraph, Run
 from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
 from budget.report.figures.track import Way, track_picture
@@ -28,7 +33,7 @@ from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
 from budget.report.tables import full_title, of_the_variance, print_coverage
-from budget.report.wording import standing_blocks
+from budget.report.wording import capital, deciding_lines, standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import SHARED, analysis_of
@@ -47,13 +52,29 @@ SPANS = 3  # of an aid, which are shown
 NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
 
 
-def mission_answer(budget: Budget) -> tuple[Section, ...]:
-    """Return what stands on a terminal: finding, tables, what they rest on."""
+def mission_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
+    """Return what stands on a terminal: finding, tables, what they rest on.
+
+    Else the answer in brief, and what a reader must know beside it.
+    """
+    if not full:
+        (found,) = _page("mission_brief", budget)
+        judged = budget.assessment
+        limits = () if judged is None else mission_limits(budget, judged)
+        own = (*limits, *found.blocks)
+        return brief_sections(budget, own, found.title, _deciding(judged))
     return (
         *verdict_sections(budget, mission_limits, _conditions),
         *_page("mission", budget),
         *rest_sections(budget),
     )
+
+
+def _deciding(assessment: Assessment | None) -> Iterator[Block]:
+    """Yield what the verdict depends on."""
+    for sensor in assessment.sensors if assessment else ():
+        for said in deciding_lines(sensor.standing):
+            yield Paragraph(words=(Run(text=f"{capital(said)}.", strong=True),))
 
 
 def _conditions(assessment: Assessment) -> Iterator[Block]:
@@ -80,8 +101,6 @@ def mission_document(
     found = document(
         "mission_page",
         **_view(budget),
-        budget=budget,
-        assessment=assessment,
         degrees=print_degrees,
         limits=assessment and next(mission_limits(budget, assessment)),
         rows=answer_rows(budget, (), assessment, budget),
@@ -148,6 +167,8 @@ def _view(budget: Budget) -> dict[str, object]:
     because = budget.bought[-1].because if budget.bought else None
     mission = budget.mission
     return {
+        "budget": budget,
+        "assessment": budget.assessment,
         "mission": mission,
         "calibration": calibration_words(analysis_of(budget).procedure),
         "way": mission and way_of(mission.route),
@@ -158,7 +179,7 @@ def _view(budget: Budget) -> dict[str, object]:
         "lost": [one for one in moments if one.is_lost],
         "rate": rate_per_hour(moments),
         "is_predicted": any(x.interval_by == BY_PREDICTION for x in budget.outputs),
-        "lacks": list(dict.fromkeys(name for x in budget.outputs for name in x.lacks)),
+        "lacks": lacking(budget),
         "bought": bought(budget, moments),
         "tested": len(budget.bought) > len(UNCALIBRATED),
         "because": because,

@@ -212,7 +212,7 @@ def test_the_section_can_be_printed_as_page_and_as_pdf(which, request, forget_dr
 
     assert find(section, Picture) == find(again, Picture)
     page = render_page(in_document(section))
-    assert "What each line may be" in page
+    assert "Allowable specification values" in page
     assert typeset(in_document(section)).pdf.startswith(b"%PDF-")
 
 
