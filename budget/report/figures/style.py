@@ -337,6 +337,7 @@ def as_picture(
     caption: str = "",
     data: Table | None = None,
     narrow: Figure | None = None,
+    is_wide: bool = False,
     data_on_paper: bool = True,
 ) -> Picture:
     """Write a figure into a block; `name` may be a dotted name with underscores.
@@ -352,7 +353,7 @@ def as_picture(
         tips=tips or {},
         caption=caption,
         data=data,
-        is_wide=narrow is not None,
+        is_wide=is_wide or narrow is not None,
         narrow=to_svg(narrow, name=f"{name}-narrow") if narrow else "",
         data_on_paper=data_on_paper,
     )
