@@ -304,7 +304,7 @@ def test_factory_calibration_counts_a_repeatability_once():
 def test_it_says_how_often_a_repeatability_counts(calibration, times, limits):
     """In the words of the verdict, after each calibration."""
     words = " ".join(answer(*OUTAGE, "--requirement", limits, *calibration).out.split())
-    assert f"a repeatability counts {times}" in words
+    assert f"a repeatability enters {times}" in words
 
 
 @pytest.mark.parametrize("width", ["80", "100", "60"])
