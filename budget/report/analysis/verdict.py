@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
     from budget.studies.what_if import SourceSteps
 
-MOST = 3  # cautions and assumptions on page one
+MOST = 2  # cautions and assumptions on page one
 # Errors of a mission that stand on page one where nothing limits it.
 AT_THE_END = (("position", PLANE), ("velocity", PLANE), ("attitude", HEADING))
 
