@@ -542,9 +542,9 @@ def test_what_if_has_the_device_as_a_file_to_change():
     assert len(marked) == len({source["name"] for source in model["sources"]})
 
 
-@pytest.mark.parametrize(("factor", "place"), [(0.5, 5), (1.0, 6), (2.0, 7)])
+@pytest.mark.parametrize(("factor", "place"), [(0.5, 5), (1.0, 6)])
 def test_steps_are_the_law_at_changed_sources(factor, place):
-    """The table's U at half and twice is what the model behind it evaluates to."""
+    """The table's U at half is what the model behind it evaluates to."""
     model = example_evidence().what_if
     (sliders,) = find(section(example(), "what-if"), Sliders)
     row = sliders.table.groups[0].rows[0]
@@ -618,10 +618,9 @@ def test_caps_stand_with_the_limits():
     )
     report = document(budget, assessment=replace(make_assessment(budget), caps=caps))
 
-    assert rows(section(report, "limits"))[-2:] == [
-        ("price", "2 EUR", "IMU", "not given", "not known"),
-        ("mass", "1 kg", "IMU", "2 kg", "beyond"),
-    ]
+    said = " ".join(lines(section(report, "limits")))
+    assert_says(said, "IMU, price: not given, at most 2 EUR: not known")
+    assert_says(said, "IMU, mass: 2 kg, at most 1 kg: beyond", "decide no verdict")
 
 
 def test_limits_stand_by_group():
