@@ -373,7 +373,7 @@ def test_an_age_of_0_is_clear_with_or_without_its_unit(files, tmp_path, age):
     ]
     for one in told:
         (sensor, *_) = one["assessment"]["sensors"]
-        assert "in the environment of its test" in sensor["use"]
+        assert "in the environment of the calibration" in sensor["use"]
         assert not [c for c in sensor["conditions"] if c["kind"] == "age"]
 
 
@@ -386,7 +386,7 @@ def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
         for more in ((), ("--age", "0"))
     )
     uses = [one["assessment"]["sensors"][0]["use"] for one in (own, other)]
-    assert uses == ["1 year after the calibration", "in the environment of its test"]
+    assert uses == ["1 year after the calibration", "in the environment of the calibration"]
 
 
 def test_no_environment_is_said_in_any_capitals(files, tmp_path):
@@ -398,7 +398,7 @@ def test_no_environment_is_said_in_any_capitals(files, tmp_path):
     for more in ((files["anywhere"], "--environment", "None"), (path,)):
         found = document("analyze", "zhao-2019", "--requirement", *more, *LAW)
         use = found["assessment"]["sensors"][0]["use"]
-        assert use == "in the environment of its test"
+        assert use == "in the environment of the calibration"
 
 
 @pytest.mark.parametrize(

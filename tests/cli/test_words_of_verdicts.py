@@ -235,7 +235,7 @@ def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
         ("predict", "with missing lines as predicted from the catalogue"),
     ):
         assert_says(
-            heads[mode], how, "after the test", "in the environment of its test"
+            heads[mode], how, "after the calibration", "in the environment of the calibration"
         )
     assert heads["predict"].startswith("PREDICTED bench")
     assert "meets with a probability of" in heads["predict"]

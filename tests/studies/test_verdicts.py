@@ -164,7 +164,7 @@ class TestEnvironment:
         """`environment: none` exercises neither, which is said as a caution, too."""
         sensor, _ = standing_of(sheet, "none")
         assert sensor.verdict == "meets"
-        assert "in the environment of its test" in sensor.standing.after
+        assert "in the environment of the calibration" in sensor.standing.after
         assert "as the maker calibrated it" in sensor.standing.after
         assert "not exercised" in texts_of(sensor.standing)
 

@@ -470,7 +470,7 @@ def test_reference_is_explained():
     report = document(make_budget(settings=settings))
     pairs = dict(section(report, "method").blocks[0].rows)
 
-    assert_says(pairs["error reference"][0], "next turn on:", "errors are counted from")
+    assert_says(pairs["error reference"][0], "next turn-on:", "errors are counted from")
 
 
 def test_every_figure_has_a_finding_words_and_data():
