@@ -166,15 +166,15 @@ class SensorPart(Strict):
                 ]
                 found["errors", elsewhere[0], "reading"] = (
                     f"may be {OVER_TEMPERATURE}, and so is {' and so is '.join(beside)}"
-                    ": it would count twice; expected one of them. Remove that word, "
-                    "or the other line"
+                    ": it would be counted twice; expected one of them. Remove that "
+                    "word, or the other specification"
                 )
             elif given and getattr(self.errors, residual, None):
                 found["errors", residual] = (
-                    f"stands beside {' and '.join(given)}: what is left over "
+                    f"stands beside {' and '.join(given)}: the residual over "
                     "temperature and what a temperature changes are one effect, and "
-                    "would count twice; expected one of them. Remove the coefficient, "
-                    "where the maker compensates it, or the residual"
+                    "would be counted twice; expected one of them. Remove the "
+                    "coefficient, where the maker compensates it, or the residual"
                 )
         if found:
             raise faults(found)

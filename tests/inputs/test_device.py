@@ -434,7 +434,7 @@ def test_the_same_noise_is_not_taken_twice(gyro):
         gyro(BOTH + "60 deg/h")
     (issue,) = caught.value.issues
     assert issue.field == "gyro.errors.sample_noise"
-    for words in ("would count twice", "Remove one", "adds_to: angle_random_walk"):
+    for words in ("would be counted twice", "Remove one", "adds_to: angle_random_walk"):
         assert words in issue.message
 
 
