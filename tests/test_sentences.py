@@ -72,7 +72,7 @@ def test_a_sentence_is_english_and_can_be_said():
 
     assert isinstance(again, Sentence)
     assert text == again
-    assert "100 trials leave 5 outside" in text
+    assert "of 100 trials only 5 are outside" in text
     with speaking("zh"):
         assert say(again) != text
         assert "2000" in say(again)

@@ -120,7 +120,7 @@ class SensorPart(Strict):
         found = {
             ("errors", ageing): (
                 f"stands beside {repeated}, which is given over {over.printed} and so "
-                "contains what that time does: it would count twice; expected one of "
+                "contains what that time does: it would be counted twice; expected one of "
                 f"them. Remove one, or, where {repeated} is that of turn-ons alone, "
                 f"write {{value: ..., adds_to: {repeated}}}"
             )
@@ -141,7 +141,7 @@ class SensorPart(Strict):
             return self
         message = (
             f"stands beside {walk}: white noise, given by the sample and as a random "
-            "walk, would count twice; expected one of them. Remove one, or, where they "
+            "walk, would be counted twice; expected one of them. Remove one, or, where they "
             "are two noises, write {value: ..., adds_to: " + walk + "}"
         )
         raise faults({("errors", SAMPLE_NOISE): message})

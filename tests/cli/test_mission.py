@@ -90,7 +90,7 @@ def test_after_a_test_it_says_which_test():
     """One calibration in one turn-on: the number of each is under its own name."""
     assert_says(
         answer(*BENCH, "--procedure", "zhao-2019").out,
-        "Mission: bench, 1 h, after the test Zhao 2019 on an ideal table",
+        "Mission: bench, 1 h, after the calibration Zhao 2019 on an ideal table",
         *("12 km CEP", "26 km R95", "15 km DRMS"),
         *("83 % of the variance is gyro bias repeatability", "6.7 nmi/h"),
     )
@@ -345,7 +345,7 @@ def test_what_lacks_lines_conforms_in_no_row(loose):
         *("mission", "hg4930#A", *OUTAGE[2:]),
         *("--calibration", "none", "--requirement", loose),
     ).out
-    assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: lines missing")
+    assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: specifications not given")
     assert "conforms\n" not in out
     assert_says(out, "a probability of at the most 100 %")
 

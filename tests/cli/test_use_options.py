@@ -131,7 +131,7 @@ def test_limits_on_a_calibration_need_its_test(files):
         assert row["calibration"] == other["calibration"]
         used[what] = row
     assert used[one]["calibration"] == "as the maker calibrated it"
-    assert "after the test Zhao 2019" in used[both]["calibration"]
+    assert "after the calibration Zhao 2019" in used[both]["calibration"]
     assert used[both]["utilisation"] > 1.3 * used[one]["utilisation"]
 
 
@@ -330,7 +330,7 @@ def test_conditions_are_accepted_where_asked(command, more, code, files):
     """Nobody has stated the environment: a verdict is no better than meets_if."""
     run = call(command, "zhao-2019", "--requirement", files["anywhere"], *more)
     assert run.code == code
-    assert "its sheet does not say what" in " ".join(run.out.split())
+    assert "its data sheet does not specify the effect" in " ".join(run.out.split())
     stated = call(command, "zhao-2019", "--requirement", files["test"])
     assert stated.code == 0
 
@@ -341,8 +341,8 @@ def test_a_verdict_has_what_it_stands_on_beside_it(command, files):
     what = (command, "zhao-2019", "--requirement", files["anywhere"])
     run = call(*what)
     words = " ".join(run.out.split())
-    assert "after the test Zhao 2019 on an ideal table, its environment not" in words
-    assert "its sheet does not say what temperature" in words
+    assert "after the calibration Zhao 2019 on an ideal table, its environment not" in words
+    assert "its data sheet does not specify the effect of temperature" in words
     assert max(map(len, run.out.splitlines())) <= 80
     (own,) = document(*what)["standings"]
     assert own["sensor"] == "gyro"

@@ -222,7 +222,7 @@ class TestWhatNoSensorIs:
         ("value", "said"),
         [
             ({"value": "50 deg/h", "correlation_time": "1e-6 s"}, "acts as noise"),
-            ({"value": "1e-9 deg/h", "correlation_time": "100 s"}, "see to its unit"),
+            ({"value": "1e-9 deg/h", "correlation_time": "100 s"}, "check its unit"),
         ],
     )
     def test_a_stability_that_is_none_is_said(self, value, said):
