@@ -152,9 +152,10 @@ def complete_line(incomplete: str) -> list[str]:
     """Complete the name of a specification to which a value is given."""
     from budget.inputs.changes import RANGE
     from budget.model.sources import SENSORS, lines_of
+    from budget.names import Name
 
     names = (
-        f"{owner}.{name}="
+        f"{Name(name, owner=owner)}="
         for owner in SENSORS
         for name in (*(one.name for one in lines_of(owner)), RANGE)
     )
@@ -164,9 +165,10 @@ def complete_line(incomplete: str) -> list[str]:
 def complete_source(incomplete: str) -> list[str]:
     """Complete the name of an error source, of sensors, station or environment."""
     from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+    from budget.names import Name
 
     names = (
-        f"{owner}.{one.name}"
+        str(Name(one.name, owner=owner))
         for owner in (*SENSORS, STATION, ENVIRONMENT)
         for one in lines_of(owner)
         if one.may_vary
@@ -177,15 +179,14 @@ def complete_source(incomplete: str) -> list[str]:
 def complete_output(incomplete: str) -> list[str]:
     """Complete the last of some outputs: gyro, gyro.bias or gyro.bias.z."""
     from budget.model.sources import SENSORS
-    from budget.names import quantities_of
+    from budget.names import Name, quantities_of
 
     before, comma, last = incomplete.rpartition(",")
     names: list[str] = []
     for owner in SENSORS:
         names.append(owner)
         for quantity, axes in quantities_of(owner).items():
-            whole = f"{owner}.{quantity}"
-            names += [whole, *(f"{whole}.{axis}" for axis in axes)]
+            names += [Name(quantity, owner=owner, axis=one) for one in ("", *axes)]
     return [f"{before}{comma}{name}" for name in names if name.startswith(last)]
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.mission import on_the_way
 from budget.inputs.station import IDEAL
+from budget.inputs.use import LINES
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import Abreast
@@ -91,7 +92,7 @@ def inputs_section(
         ],
         name=procedure.name,
         shared=[
-            (owner, _rows(owner, lines, procedure.assumptions))
+            (owner, _rows(owner, [*filter(_counts, lines)], procedure.assumptions))
             for owner, lines in (
                 (STATION, procedure.station),
                 (ENVIRONMENT, procedure.environment),
@@ -106,6 +107,11 @@ def noise_pictures(sensors: Sequence[Sensor], procedure: Procedure) -> Abreast |
     every = (Allan.of(sensor, procedure) for sensor in sensors)
     found = tuple(allan_picture(one) for one in every if one is not None)
     return Abreast(blocks=found) if found else None
+
+
+def _counts(line: ErrorLine) -> bool:
+    """Whether a line is more than a use that is stated to be that of the test."""
+    return bool(line.u.any()) or line.name not in LINES
 
 
 def data_sheet(sensor: Sensor, assumptions: Sequence[str] = ()) -> DataSheet:

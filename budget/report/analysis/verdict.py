@@ -29,6 +29,7 @@ from budget.report.tables import (
     unit_for,
     used_part,
 )
+from budget.report.wording import outcome_words
 from budget.results import worst_of
 from budget.studies.verdicts import FAILS
 from budget.ties import first_largest
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
     from budget.studies.what_if import SourceSteps
 
-MOST = 3  # cautions and assumptions on page one
+MOST = 2  # cautions and assumptions on page one
 # Errors of a mission that stand on page one where nothing limits it.
 AT_THE_END = (("position", PLANE), ("velocity", PLANE), ("attitude", HEADING))
 
@@ -133,6 +134,7 @@ class AnswerRow:
     gaps: str  # what the error lacks, where it is a lower bound
     limit: str = ""  # as the requirement has it
     used: Number | None = None  # part of the limit
+    outcome: str = ""  # on which side of it, if anybody knows
     is_within: bool = True
 
 
@@ -175,6 +177,7 @@ def _limited(
             limit=row.printed_limit,
             used=used_part(row),
             is_within=row.is_within,
+            outcome=outcome_words(assessment, worst_of(rows)),
             **_made_of(of.output(name), [name, *names]),
         )
 

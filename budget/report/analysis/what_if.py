@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget
     from budget.studies.what_if import SourceSteps, Step, WhatIf
 
+SLIGHT = 0.001  # share of every variance below which a row says nothing [1]
 CHANGED_FILE = "changed.yaml"  # what a page calls the changed device
 
 
@@ -74,10 +75,12 @@ def what_if_section(
     """
     device = _device_file(budget, (again and again.devices) or devices)
     is_judged = any(limit is not None for limit in model.limit)
+    shown = [row for row in rows if row.share >= SLIGHT] or rows
+    slight = [row.source.name for row in rows if row not in shown]
     table: Any
     (table,) = blocks(
         "analysis/what_if_table",
-        rows=rows,
+        rows=[_improved(row) for row in shown],
         coverage=print_coverage(model.coverage),
         is_judged=is_judged,
         expanded=_expanded,
@@ -101,12 +104,19 @@ def what_if_section(
         assessment=budget.assessment,
         model=model,
         is_judged=is_judged,
+        slight=slight,
         sliders=sliders,
         MISSION=MISSION,
         AIDING=AIDING,
         BY_LAW=BY_LAW,
     )
     return section
+
+
+def _improved(row: SourceSteps) -> SourceSteps:
+    """Return what a better specification would change; a worse one has sliders."""
+    steps = tuple(step for step in row.steps if step.factor <= 1.0)
+    return replace(row, steps=steps)
 
 
 def _device_file(budget: Budget, devices: Sequence[Device]) -> str:
