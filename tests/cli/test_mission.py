@@ -174,7 +174,7 @@ def test_a_limit_is_judged_at_its_own_probability(limits):
     """The verdict comes first; 50 % is CEP, the others are at 95 %."""
     assert_says(
         answer(*OUTAGE, "--requirement", limits).out,
-        *("FAILS a mile, mission alone", "does not conform", "conforms"),
+        *("FAILS a mile, mission only", "does not conform", "conforms"),
         "Limits on gyro are on the calibration",
     )
     found = document(*OUTAGE, "--requirement", limits)
@@ -387,7 +387,7 @@ def test_a_filter_that_believes_too_much_is_warned_of():
     files = (str(AIDED / "mems.yaml"), "--mission", str(AIDED / "g4.yaml"))
     said = answer("mission", *files, "--no-validate").out
 
-    assert_says(said, "it says too much")
+    assert_says(said, "what it says of its own accuracy is too good")
     assert_says(said, "the filter believes 22.9 m DRMS, and 31 m is true")
 
 

@@ -145,7 +145,7 @@ def test_limits_on_a_calibration_without_a_test_are_refused(command, files, tmp_
     )
     assert run.code == 2
     assert "gyro" in run.err
-    assert "no test" in run.err
+    assert "no calibration" in run.err
 
 
 @pytest.mark.parametrize("word", ["none", "factory"])
@@ -357,7 +357,7 @@ def test_conditions_stand_right_below_the_headline(files):
     what = ("zhao-2019", "--mission", files["bench"], "--requirement", files["open"])
     lines = call("mission", *what, *LAW).out.splitlines()
     (top,) = [n for n, line in enumerate(lines) if line.startswith("MEETS open ON")]
-    below = next(n for n, line in enumerate(lines) if "does not say what" in line)
+    below = next(n for n, line in enumerate(lines) if "does not specify" in line)
     table = next(n for n, line in enumerate(lines) if "limit" in line and n > below)
     assert top < below <= top + 2 < table
 

@@ -266,7 +266,7 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
         assert (said == ("-", "without effect here")) == row.is_idle
         assert ("without effect here" in cells[0].note) == row.is_idle
         assert (cells[2].exact is None) == row.is_idle
-    assert_says(chart.title, "2 of 2 accelerometer lines", "grow")
+    assert_says(chart.title, "2 of 2 accelerometer specifications", "grow")
     assert_says(chart.alt, "without effect here: bias repeatability")
 
 

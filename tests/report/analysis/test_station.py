@@ -216,7 +216,7 @@ def test_temperature_has_its_rows_and_a_vibration_is_known(shaky):
     assert (vibration[1].text, vibration[1].note) == ("1 g", "known value")
     assert "The station and the environment contribute" in finding(section)
     # No triad has the line that it acts by.
-    assert any(line.startswith("Vibration test: takes") for line in lines(section))
+    assert any(line.startswith("Vibration test: needs") for line in lines(section))
 
     felt = replace(procedure, station=(), environment=procedure.environment[1:])
     only = section_of(analyze(device, procedure=felt, validate=False))
