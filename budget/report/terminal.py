@@ -152,7 +152,7 @@ def print_blocks(blocks: Iterable[Block], page: Page) -> None:
             case Listing():
                 _print_listing(block, page)
             case Pairs(rows=rows):
-                width = max(_columns(term) for term, _ in rows) + GAP
+                width = max((_columns(term) for term, _ in rows), default=0) + GAP
                 for term, words in rows:
                     page.paragraph(_plain(words), first=_padded(term, width))
             case Table() | Sliders():

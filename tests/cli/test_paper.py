@@ -106,14 +106,15 @@ def test_csv_has_the_rows_of_the_json(document):
 
 @pytest.mark.usefixtures("computed")
 def test_page_needs_nothing_else_and_has_the_figures(tmp_path):
-    """The page holds four figures with words for them, its data, and no address."""
+    """The page holds four figures with words for them, its data, and loads nothing."""
     page = tmp_path / "paper.html"
     run = call("paper", "-o", page)
     assert (run.code, run.out) == (0, "")
     assert run.err == f"{page}: written\n"
     text = page.read_text(encoding="utf-8")
     assert text.count('role="img" aria-label="Figure ') == 4
-    assert not re.findall(r'(?:src|href)="(?!#)', text)
+    assert not re.findall(r'src="(?!#)', text)
+    assert not re.findall(r'href="(?!#|https://doi\.org/)', text)
     data = re.search(r'id="paper-json">\n(.*?)</script>', text, re.DOTALL)
     assert json.loads(data[1])["command"] == "paper"
 

@@ -271,7 +271,7 @@ def test_a_sweep_follows_a_mission():
     once, twice = rows["standard_uncertainty"]
     share = rows["share"].iloc[0]
     assert_allclose(twice / once, (1.0 + 3.0 * share) ** 0.5, rtol=1e-3)
-    assert set(table["time"]) == {3600.0}
+    assert set(table["time [s]"]) == {3600.0}
 
 
 @pytest.mark.parametrize(
