@@ -107,7 +107,7 @@ def both(tmp_path, *args):
 
 
 # What says that a verdict is open, which MEETS is not.
-OPEN = ("open: specifications not given", "cannot be decided", "at the most 100 %", "Not given: a")
+OPEN = ("open: not given", "cannot be decided", "at the most 100 %", "Not given: a")
 
 
 def test_nothing_is_open_where_a_verdict_hangs_on_no_missing_line(files, tmp_path):
