@@ -341,7 +341,10 @@ def test_a_verdict_has_what_it_stands_on_beside_it(command, files):
     what = (command, "zhao-2019", "--requirement", files["anywhere"])
     run = call(*what)
     words = " ".join(run.out.split())
-    assert "after the calibration Zhao 2019 on an ideal table, its environment not" in words
+    assert (
+        "after the calibration Zhao 2019 on an ideal table, its environment not"
+        in words
+    )
     assert "its data sheet does not specify the effect of temperature" in words
     assert max(map(len, run.out.splitlines())) <= 80
     (own,) = document(*what)["standings"]
@@ -386,7 +389,10 @@ def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
         for more in ((), ("--age", "0"))
     )
     uses = [one["assessment"]["sensors"][0]["use"] for one in (own, other)]
-    assert uses == ["1 year after the calibration", "in the environment of the calibration"]
+    assert uses == [
+        "1 year after the calibration",
+        "in the environment of the calibration",
+    ]
 
 
 def test_no_environment_is_said_in_any_capitals(files, tmp_path):

@@ -232,7 +232,10 @@ def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
         ("predict", "with specifications not given as predicted from the catalogue"),
     ):
         assert_says(
-            heads[mode], how, "after the calibration", "in the environment of the calibration"
+            heads[mode],
+            how,
+            "after the calibration",
+            "in the environment of the calibration",
         )
     assert heads["predict"].startswith("PREDICTED bench")
     assert "meets with a probability of" in heads["predict"]
