@@ -120,8 +120,8 @@ class SensorPart(Strict):
         found = {
             ("errors", ageing): (
                 f"stands beside {repeated}, which is given over {over.printed} and so "
-                "contains what that time does: it would be counted twice; expected one of "
-                f"them. Remove one, or, where {repeated} is that of turn-ons alone, "
+                "contains what that time does: it would be counted twice; expected "
+                f"one of them. Remove one, or, where {repeated} is that of turn-ons alone, "
                 f"write {{value: ..., adds_to: {repeated}}}"
             )
             for parameter, ageing in AGEING.items()
@@ -141,8 +141,8 @@ class SensorPart(Strict):
             return self
         message = (
             f"stands beside {walk}: white noise, given by the sample and as a random "
-            "walk, would be counted twice; expected one of them. Remove one, or, where they "
-            "are two noises, write {value: ..., adds_to: " + walk + "}"
+            "walk, would be counted twice; expected one of them. Remove one, or, where "
+            "they are two noises, write {value: ..., adds_to: " + walk + "}"
         )
         raise faults({("errors", SAMPLE_NOISE): message})
 

@@ -496,7 +496,7 @@ def test_coupling_title_names_what_reaches_farthest():
     )
     own = make_coupling({("bias_stability", "bias"): 1.0})
     title = coupling_chart(own, "gyro").title
-    assert_says(title, "each gyro parameter", "own spread alone")
+    assert_says(title, "each gyro parameter", "only its own spread")
 
 
 def windows_of(chart):
