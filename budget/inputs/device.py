@@ -121,7 +121,7 @@ class SensorPart(Strict):
             ("errors", ageing): (
                 f"stands beside {repeated}, which is given over {over.printed} and so "
                 "contains what that time does: it would be counted twice; expected "
-                f"one of them. Remove one, or, where {repeated} is that of turn-ons alone, "
+                f"one of them. Remove one, or, where {repeated} is of turn-ons only, "
                 f"write {{value: ..., adds_to: {repeated}}}"
             )
             for parameter, ageing in AGEING.items()

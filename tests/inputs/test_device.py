@@ -497,8 +497,8 @@ def test_the_second_way_to_give_one_noise_is_no_gap(gyro, noise, other):
                 "axes: {x: {value: 1 deg/h}}}"
             ),
             (
-                "gyro.bias_repeatability.x: meaning of the specification not taken, the "
-                "axis is a mapping of its own"
+                "gyro.bias_repeatability.x: meaning of the specification not taken, "
+                "the axis is a mapping of its own"
             ),
         ),
     ],
