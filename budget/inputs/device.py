@@ -112,9 +112,9 @@ class SensorPart(Strict):
         if flicker and stable and not getattr(flicker, "adds_to", None):
             message = (
                 "stands beside bias_stability: the bias instability that a maker "
-                "prints, given as flicker and as a Gauss-Markov process, would count "
-                "twice; expected one of them. Remove one, or, where they are two "
-                "noises, write {value: ..., adds_to: bias_stability}"
+                "prints, given as flicker and as a Gauss-Markov process, would be "
+                "counted twice; expected one of them. Remove one, or, where they are "
+                "two noises, write {value: ..., adds_to: bias_stability}"
             )
             raise faults({("errors", "flicker"): message})
         found = {
