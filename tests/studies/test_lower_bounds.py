@@ -284,7 +284,9 @@ def test_what_the_page_computes_with_is_marked():
         cells = [row[1].text for row in data.groups[0].rows]
         assert bool(density.lacks) == marked
         assert any(text.startswith(AT_LEAST) for text in cells) == marked
-        assert ("lines are missing" in density_title(density, coverage=0.95)) == marked
+        assert (
+            "specifications are not given" in density_title(density, coverage=0.95)
+        ) == marked
 
 
 def bound_names(model):

@@ -239,7 +239,7 @@ def test_meeting_report_says_the_margin():
 
     assert report.headline == f"MEETS tactical grade, {AFTER}"
     said = say(report.summary)
-    assert_says(said, "12 required outputs", "alone", "tightest uses 93.1 % of its")
+    assert_says(said, "12 required outputs", "by itself", "tightest uses 93.1 % of its")
     assert_says(said, "all 12", "together", "probability of 81 %")
 
 
@@ -251,7 +251,7 @@ def test_page_one_says_that_sources_were_left_out(required):
     budget = replace(budget, settings=chosen)
     report = document(budget, assessment=make_assessment(budget) if required else None)
 
-    assert ", chosen sources alone" in report.running_head
+    assert ", chosen sources only" in report.running_head
     first, other, _ = say(report.summary).split(". ", 2)
     assert_says(first, "only", "sources", "gyro bias stability, sample noise")
     assert_says(other, "zero", "not the budget of the whole device")
@@ -470,7 +470,7 @@ def test_reference_is_explained():
     report = document(make_budget(settings=settings))
     pairs = dict(section(report, "method").blocks[0].rows)
 
-    assert_says(pairs["error reference"][0], "next turn on:", "errors are counted from")
+    assert_says(pairs["error reference"][0], "next turn-on:", "errors are counted from")
 
 
 def test_every_figure_has_a_finding_words_and_data():
@@ -599,7 +599,7 @@ def test_a_sensor_that_is_limited_but_absent_is_said_first():
     )
 
     assert report.headline == (
-        f"FAILS tactical grade, gyro alone, accelerometer not judged, {AFTER}"
+        f"FAILS tactical grade, gyro only, accelerometer not judged, {AFTER}"
     )
     assert_says(say(report.summary), "no accelerometer calibrated", "not assessed")
 
