@@ -319,3 +319,26 @@ def test_a_test_that_age_does_not_reach_says_so():
 
     assert purchase.is_aged
     assert purchase.recalibrations == ()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "gyro.scale_factor_repeatability=0 ppm",
+        "gyro.bias_stability=0 deg/h",
+        "gyro.angle_random_walk=0 deg/sqrt(h)",
+    ],
+)
+def test_a_unit_that_hides_a_specification_is_not_preferred(line):
+    """Less on what is given is no reason: the order is that of `compare`."""
+    whole = replace(load_device("hg4930#C"), name="whole")
+    hiding = replace(whole.replace(dict([line.split("=")])), name="hiding")
+    limits = {"gyro": {"bias": "300 deg/h", "scale_factor": "20000 ppm"}}
+    need = {"name": "need", "reference": "next_turn_on", "limits": limits}
+    offers = decide([hiding, whole], need).offers
+    ranked = compare([hiding, whole], need, method="gum").devices
+
+    assert {one.verdict for one in ranked} == {"meets_if"}
+    assert [one.name for one in ranked] == ["whole", "hiding"]
+    assert [one.name for one in offers] == ["whole", "hiding"]
+    assert offers[1].utilisation < offers[0].utilisation

@@ -221,7 +221,7 @@ def test_the_map_names_no_device_that_lacks_a_specification():
     def titled(*devices):
         return map_title(rankings(compared(list(devices), method="gum"))[0])
 
-    assert_says(titled(bare, good), "tightest for the only device")
+    assert_says(titled(bare, good), "tightest for the only device judged")
     assert_says(titled(good, bad), "tightest", "1 more does not give all")
     assert_says(titled(bad), "no device that is decided gives all")
 
