@@ -303,7 +303,9 @@ def _drawn(table: Ranking) -> Iterator[Block]:
 
     A front for each cost of which there are two different amounts.
     """
-    if table.measured and len(table.devices[0].outputs) > 1:  # of one the ranking has it
+    if (
+        table.measured and len(table.devices[0].outputs) > 1
+    ):  # of one the ranking has it
         outputs = _data("outputs", table=table, used_part=used_part)
         yield chart_picture(map_chart(table, f"map-{table.name}", outputs))
     for merit in MERITS:
