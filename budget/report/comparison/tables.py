@@ -289,7 +289,9 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
         ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
-        saturates=line("comparison_parts", "saturates", standing=one.standing),
+        saturates=line("comparison_parts", "saturates", standing=one.standing)
+        if beyond
+        else "",
         of=one,
     )
 
