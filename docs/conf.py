@@ -1,8 +1,8 @@
 """The site of these pages: `python -m sphinx -W docs site`, with the extra [docs].
 
 The pages are Markdown that any viewer shows; what only the site has is made here: the
-tree of pages from the lists of index.md, the docstrings behind library.md, and the
-page of the notebook.
+tree of pages from the lists of index.md, the docstrings behind library.md, the page of
+the notebook, and formulas as MathML, which browsers set without a script or a host.
 """  # noqa: INP001 - a script, no package
 
 from __future__ import annotations
@@ -14,10 +14,15 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from docutils.nodes import SkipNode
+from docutils.utils.math.latex2mathml import tex2mathml
+
 import budget
 
 if TYPE_CHECKING:
+    from docutils.nodes import Element
     from sphinx.application import Sphinx
+    from sphinx.writers.html5 import HTML5Translator
 
 DOCS = Path(__file__).resolve().parent
 project = "sins-budget"
@@ -29,7 +34,9 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_show_copyright = False
 html_show_sphinx = False
-# Links to headings as in the repository.
+html_math_renderer = "mathml"
+# Formulas between dollar signs, and links to headings, as in the repository.
+myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 # Types are in the docstrings, with shapes and units.
 autodoc_typehints = "none"
@@ -90,6 +97,15 @@ def add(_app: Sphinx, name: str, source: list[str]) -> None:
         source[0] = ADDED[name](source[0])
 
 
+def add_formula(page: HTML5Translator, formula: Element) -> None:
+    """Write a formula, in a line or on one of its own."""
+    is_block = formula.tagname == "math_block"
+    page.body.append(tex2mathml(formula.astext(), as_block=is_block))
+    raise SkipNode
+
+
 def setup(app: Sphinx) -> None:
     """Tell Sphinx."""
+    visit = (add_formula, None)
+    app.add_html_math_renderer("mathml", visit, visit)
     app.connect("source-read", add)

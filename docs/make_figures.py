@@ -12,9 +12,10 @@ import yaml
 import budget
 from budget.calibration.schemes import calibrates, schedule_of
 from budget.report.figures.growth import growth_pictures
+from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
 from budget.report.figures.rows import draw as draw_rows
 from budget.report.figures.sources import share_chart
-from budget.report.figures.style import PAPER, to_svg
+from budget.report.figures.style import BLUE, HATCH, MUTED, PAPER, to_svg
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
@@ -56,6 +57,10 @@ OUTAGES = {
     "straight": "outage-60-s-after-straight-gnss",
     "turning": "outage-60-s-turning-after-straight-gnss",
 }
+# The question at the head of README, and how many of its answers are drawn.
+NEED, MISSION = "survey-drone", "outage-60-s-after-gnss"
+DRAWN, WIDEST = 11, 150.0  # [1], [% of the limit]
+WIDE_ENOUGH = 460.0  # for the names of devices [pt]
 GROUPS = tuple(
     f"{sensor} {quantity}"
     for sensor in ("gyro", "accelerometer")
@@ -69,6 +74,7 @@ def draw(folder: Path) -> None:
     (group,) = (g for g in group_tables(result) if g.title == "gyro bias")
     share = to_svg(draw_rows(share_chart(group)), name="share-gyro-bias")
     write(share, folder / "share-gyro-bias.svg")
+    write(to_svg(draw_rows(choice()), name="which-imu"), folder / "which-imu.svg")
     (folder / "schemes").mkdir(exist_ok=True)
     rows, sections = [line(HEADS), line(["---"] * len(HEADS))], []
     for name in SCHEMES:
@@ -85,6 +91,47 @@ def draw(folder: Path) -> None:
     draw_outages(folder / "aided")
     page = HEAD + "\n".join(rows) + "\n\n" + "\n".join(sections) + FOOT
     (folder / "schemes.md").write_text(page, encoding="utf-8")
+
+
+def choice() -> Chart:
+    """Return how much of the limit each unit uses, as its maker calibrated it."""
+    found = budget.compare(
+        budget.load_catalogue(),
+        NEED,
+        mission=MISSION,
+        calibration="factory",
+        method="gum",
+    ).to_frame()
+    rows = tuple(
+        Row(
+            label=one.name,
+            marks=(
+                Bar(
+                    start=0.0,
+                    end=100.0 * one.utilisation,
+                    colour=BLUE if one.verdict == "meets" else MUTED,
+                    hatch=HATCH if one.lower_bound else "",
+                ),
+            ),
+            beside=(
+                f"{'≥ ' if one.lower_bound else ''}{100.0 * one.utilisation:.3g}",
+                one.verdict,
+            ),
+            strong=one.verdict == "meets",
+        )
+        for one in found.head(DRAWN).itertuples()
+    )
+    scale = Scale(
+        low=0.0, high=WIDEST, lines=((100.0, "limit"),), label="% of the limit"
+    )
+    return Chart(
+        name="which-imu",
+        title="",
+        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
+        beside=("% of limit", "verdict"),
+        legend=((MUTED, HATCH, "at least: a specification is not given"),),
+        width=WIDE_ENOUGH,
+    )
 
 
 def draw_outages(folder: Path) -> None:

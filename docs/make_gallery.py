@@ -17,9 +17,14 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).resolve().parent
 DEVICE, REQUIREMENT = "zhao-2019", "tactical-grade"
+UNIT, FLIGHT, NEED = "hg4930#C", "outage-60-s-after-gnss", "survey-drone"
 CALL = (
     "result = budget.analyze(\n"
     f'    "{DEVICE}", requirement="{REQUIREMENT}", trials=20_000, samples=256\n)\n'
+)
+FLOWN = (
+    "flight = budget.analyze(\n"
+    f'    "{UNIT}", mission="{FLIGHT}", requirement="{NEED}"\n)\n'
 )
 # What each shows, and the call that draws it.
 FIGURES = {
@@ -34,7 +39,7 @@ FIGURES = {
     "waterfall": ("From the sources to U", 'waterfall("gyro.bias")'),
     "correlation": ("Correlation of the outputs", "correlation()"),
     "coupling": ("Which source reaches which parameter of the gyro", "coupling()"),
-    "validation": ("The law of propagation against Monte Carlo", "validation()"),
+    "validation": ("GUM propagation against Monte Carlo", "validation()"),
     "density": (
         "Distribution of an output, trials and normal law",
         'density("gyro.bias.x")',
@@ -43,6 +48,13 @@ FIGURES = {
     "positions": ("Its positions: which axis is up, and which turns", "positions()"),
     "allan": ("Noise of the gyro, and what the windows average", "allan()"),
     "indices": ("Sobol' indices of the gyro, with intervals", "indices()"),
+}
+OF_MISSION = {
+    "growth": (
+        "An error over time against its limit, and what it is made of",
+        "growth()",
+    ),
+    "track": ("Planned track, with error ellipses", "track()"),
 }
 HEAD = """# Gallery of reports and figures
 
@@ -69,22 +81,25 @@ def draw(folder: Path) -> None:
     (folder / "gallery").mkdir(exist_ok=True)
     for name, figure in found.items():
         write(figure, folder / "gallery" / f"{name}.svg")
-    parts = [
-        f"### {says}\n\n`result.plot.{how}`\n\n![{says}](gallery/{name}.svg)\n"
-        for name, (says, how) in FIGURES.items()
-    ]
-    page = f"{HEAD}```python\nimport budget\n\n{CALL}```\n\n" + "\n".join(parts)
+    page = f"{HEAD}```python\nimport budget\n\n{CALL}{FLOWN}```\n\n" + "\n".join(
+        f"### {says}\n\n`{of}.plot.{how}`\n\n![{says}](gallery/{name}.svg)\n"
+        for of, kinds in (("result", FIGURES), ("flight", OF_MISSION))
+        for name, (says, how) in kinds.items()
+    )
     (folder / "gallery.md").write_text(
         page + "\nWritten by `docs/make_gallery.py`.\n", encoding="utf-8"
     )
 
 
 def figures() -> Iterator[tuple[str, Figure]]:
-    """Yield each figure of the paper's device."""
+    """Yield each figure of the paper's device, and of a mission."""
     result = budget.analyze(DEVICE, requirement=REQUIREMENT, trials=20_000, samples=256)
     for name, (_, how) in FIGURES.items():
         of = re.findall(r'"(.+)"', how)
         yield name, getattr(result.plot, name)(*of)
+    flight = budget.analyze(UNIT, mission=FLIGHT, requirement=NEED)
+    for name in OF_MISSION:
+        yield name, getattr(flight.plot, name)()
 
 
 def write(figure: Figure, path: Path) -> None:

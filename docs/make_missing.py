@@ -75,7 +75,7 @@ def rows(cases: Sequence[Case]) -> list[str]:
     """Return the table, a row for each line and one for all."""
     kinds = list(dict.fromkeys(case.quantity for case in cases))
     lines = [
-        "| line | cases | within 50 % | within 90 % | median factor |",
+        "| specification | cases | within 50 % | within 90 % | median factor |",
         "|---|---|---|---|---|",
     ]
     for quantity in [*kinds, ""]:

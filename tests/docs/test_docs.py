@@ -296,6 +296,8 @@ def test_the_gallery_is_what_would_be_drawn_now(tmp_path):
         return re.findall(r">([^<>\n]+)</t", path.read_text(encoding="utf-8"))
 
     drawn = sorted((tmp_path / "gallery").iterdir())
-    assert [path.stem for path in drawn] == sorted(script["FIGURES"])
+    assert [path.stem for path in drawn] == sorted(
+        script["FIGURES"] | script["OF_MISSION"]
+    )
     for path in drawn:
         assert texts(path) == texts(DOCS / "gallery" / path.name), path.stem

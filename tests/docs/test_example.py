@@ -8,7 +8,7 @@ import subprocess
 from pdf_reading import needs_poppler
 from places import DOCS
 
-PAGES = 12  # of the example, three of them its allocation
+PAGES = 8  # of the example, with its allocation
 HALF = 0.5  # of the height between head and foot
 
 
@@ -29,7 +29,7 @@ def heights():
 
 @needs_poppler
 def test_the_example_is_no_longer_than_a_reviewer_reads():
-    """The report of an analysis with its allocation has twelve pages at the most."""
+    """The report of an analysis with its allocation has eight pages at the most."""
     assert len(heights()) <= PAGES
 
 

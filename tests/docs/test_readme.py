@@ -21,12 +21,15 @@ from budget.report.tables import group_tables
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
 EXAMPLE = ROOT / "docs" / "example"
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README, CHINESE, COMMANDS = (
+    (ROOT / name).read_text(encoding="utf-8")
+    for name in ("README.md", "README.zh.md", "docs/commands.md")
+)
 
 
-def blocks(language):
+def blocks(language, *, page=README):
     """Return the fenced blocks of one language, in their order."""
-    return re.findall(rf"(?ms)^```{language}\n(.*?)^```$", README)
+    return re.findall(rf"(?ms)^```{language}\n(.*?)^```$", page)
 
 
 def commands():
@@ -37,16 +40,17 @@ def commands():
 
 CONSOLE = [
     line.removeprefix("$ budget ")
-    for block in blocks("console")
+    for page in (README, COMMANDS)
+    for block in blocks("console", page=page)
     for line in block.splitlines()
 ]
-# Of these the pages are compared with the committed ones, below; and that the shipped
-# references hold is a test of `check`.
+# Of this the pages are compared with the committed ones, below.
 EXAMPLE_REPORT = (
     "report --requirement docs/example/requirement.yaml --sobol --allocate"
     " -o report.html -o report.pdf"
 )
-ELSEWHERE = {EXAMPLE_REPORT, "check"}
+ELSEWHERE = {EXAMPLE_REPORT}
+FIGURES = ("share-gyro-bias", "which-imu")
 
 
 @pytest.fixture
@@ -117,13 +121,19 @@ def test_the_figures_and_the_page_of_schemes_are_the_tools(tmp_path, monkeypatch
     def texts(path):
         return re.findall(r">([^<>\n]+)</t", path.read_text(encoding="utf-8"))
 
-    share = tmp_path / "share-gyro-bias.svg"
+    share, which = (tmp_path / f"{name}.svg" for name in FIGURES)
     assert "79 %" in texts(share)
-    assert f"](docs/{share.name})" in README
+    assert texts(which).count("meets") == 2
+    (said,) = re.findall(r"!\[([^\]]+)\]\(docs/which-imu\.svg\)", README)
+    for name in ("Zhao 2019 optical IMU", "HG4930 (C)", "29.9", "82.6"):
+        assert name in said
+        assert name in texts(which)
+    for path in (share, which):
+        assert f"](docs/{path.name})" in README
     drawn = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*.svg"))
     shipped = {path.stem for path in (ROOT / "specs" / "procedures").glob("*.yaml")}
     assert {path.stem for path in drawn} == shipped | {
-        share.stem,
+        *FIGURES,
         "straight",
         "turning",
     }
@@ -184,7 +194,7 @@ def test_the_example_report_is_the_tools(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("line", [line for line in CONSOLE if line not in ELSEWHERE])
 def test_examples_run(folder, line):
-    """Each example of the README is exit 0 in a folder with its device file."""
+    """Each example of the README and of commands.md is exit 0 beside its device."""
     run = call(*shlex.split(line))
 
     assert run.code == 0, run.err
@@ -210,8 +220,11 @@ def test_numbers_of_the_references(reference):
 
 
 def test_commands_are_those_that_there_are():
-    """The table of commands names all there are, and no others."""
-    assert set(re.findall(r"(?m)^\| `budget (\w+)", README)) == commands()
+    """The tables of commands name all there are, and no others."""
+    for page in (README, CHINESE):
+        assert set(re.findall(r"(?m)^\| `budget (\w+)", page)) == commands()
+    table, _, _ = COMMANDS.partition("\n## ")
+    assert set(re.findall(r"(?m)^\| `(\w+)`", table)) == commands()
 
 
 def test_links_lead_somewhere():
