@@ -342,3 +342,18 @@ def test_a_unit_that_hides_a_specification_is_not_preferred(line):
     assert [one.name for one in ranked] == ["whole", "hiding"]
     assert [one.name for one in offers] == ["whole", "hiding"]
     assert offers[1].utilisation < offers[0].utilisation
+
+
+def test_what_both_sheets_leave_open_is_said_once():
+    """Neither triad says what vibration does: it is one use, of lines of both."""
+    limits = {"gyro": {"bias": "300 deg/h"}, "accelerometer": {"bias": "100 mg"}}
+    need = {"name": "need", "reference": "next_turn_on", "limits": limits}
+    text = " ".join(
+        on_terminal(decision_answer(decide(["hg4930#C"], need)), 80).split()
+    )
+
+    assert_says(
+        text,
+        "the effect of vibration and age",
+        "accelerometer vibration rectification not given",
+    )
