@@ -306,7 +306,9 @@ def test_warnings_caps_and_the_rule_of_decision_stand_beside_the_choice(tmp_path
 
     for text in study.warnings:
         assert_says(found.out, *str(text).split()[:4])
-    assert_says(found.out, "each limit alone, at 95 % coverage", "140 grams", "100 g")
+    assert_says(
+        found.out, "each limit by itself, at 95 % coverage", "140 grams", "100 g"
+    )
 
 
 def test_a_test_that_age_does_not_reach_says_so():
