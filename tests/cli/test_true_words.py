@@ -163,6 +163,11 @@ def test_cautions_are_cut_by_weight(write):
         ("", (), "bench can be met"),
         ("", ("g_sensitivity",), "On what is given bench can be met"),
         ("decision: joint\n", (), "Each limit of bench, taken alone, can be met"),
+        (
+            "decision: joint\n",
+            ("bias_repeatability",),
+            "On what is given each limit of bench, taken alone, can be met",
+        ),
     ],
 )
 def test_what_can_be_met_is_no_more_than_is_known(write, extra, without, said):
