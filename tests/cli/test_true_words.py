@@ -104,7 +104,7 @@ def test_a_lost_unit_is_the_reason_and_no_reading_is(write):
     page = write("page.html", "")
     call("report", device, "--mission", mission, "--requirement", need, "-o", page)
     text = Path(page).read_text("utf-8")
-    assert "on which side is not decided" not in text
+    assert "within or beyond is not decided" not in text
     assert "As the values are read here" not in text
 
 
