@@ -99,7 +99,7 @@ def test_a_lost_unit_is_the_reason_and_no_reading_is(write):
     device, need = write("lost.yaml", LOST), write("wide.yaml", WIDE)
     mission = write("outage.yaml", OUTAGE)
     text = told("mission", device, "--mission", mission, "--requirement", need)
-    assert_says(text, "UNDECIDED wide", "says that the unit is lost")
+    assert_says(text, "UNDECIDED wide", "that the unit is lost")
     assert "As the values are read here" not in text
     page = write("page.html", "")
     call("report", device, "--mission", mission, "--requirement", need, "-o", page)
