@@ -146,7 +146,7 @@ def test_cautions_are_cut_by_weight(write):
     wrong = sheet(bias_repeatability="3 deg/s")
     device, need = write("sheet.yaml", wrong), write("need.yaml", BENCH)
     text = told("analyze", device, "--requirement", need)
-    assert text.index("see to its unit") < text.index(NO_RANGE)
+    assert text.index("check its unit") < text.index(NO_RANGE)
     found = budget.analyze(device, requirement=need, validate=False)
     (standing,) = (one.standing for one in found.assessment.sensors)
     line = standing.cautions[0].line
