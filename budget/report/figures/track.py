@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from budget.calibration.mission import SEEN
-from budget.names import HORIZONTAL, LENGTHS, time_text
+from budget.names import HORIZONTAL, time_text
 from budget.navigation.route import WEIGHTS
+from budget.report.figures.growth import PLANE
 from budget.report.figures.style import (
     INK,
     MUTED,
@@ -52,7 +53,6 @@ MOST = 6  # ellipses
 ROUND = (1.0, 2.0, 5.0)  # of a scale, times a power of ten
 ROUND_TO = 1.05  # of the axes, for a circle [1]
 NAME_ROOM = 11.0  # of a name at an ellipse [pt]
-PLANE = ("position", LENGTHS["position"])
 said = partial(line, "figures_track")
 
 
