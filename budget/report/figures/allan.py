@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, floor, log10
+from math import ceil, floor, log10, sqrt
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -68,6 +68,7 @@ MOST_TIME = 1e6  # [s]
 BELOW_SUM = 30.0  # of the vertical axis, from the least of the sum down [1]
 MARKS = 3  # windows of different lengths at the most
 APART = 1.05  # of windows of different lengths [1]
+SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 said = partial(line, "figures_allan")
 
 
@@ -83,7 +84,7 @@ class Mark:
     @property
     def average(self) -> float:
         """Standard uncertainty of the last one's average by this noise [SI]."""
-        return sum(self.parts.values()) ** 0.5
+        return sqrt(sum(self.parts.values()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -330,7 +331,7 @@ def _draw_marks(axes: Axes, allan: Allan, scale: float) -> None:
     width = WIDTH - LEFT - RIGHT
     for one in allan.marks:
         axes.axvline(one.length, color=INK, linewidth=0.8, linestyle="--")
-        sizes = (("σ", one.sigma, INK, 3.5), ("u", one.average, "none", 7.0))
+        sizes = ((SIGMA, one.sigma, INK, 3.5), ("u", one.average, "none", 7.0))
         text = said("window", length=one.length)
         for name, size, inside, across in sizes:
             axes.plot(

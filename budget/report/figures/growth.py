@@ -134,7 +134,9 @@ class Growth:
         """Print one of its sizes [SI], a length in the unit that it is read in."""
         unit, scale = self.unit
         is_length = self.error[0] == "position"
-        text = length(size) if is_length else f"{round_uncertainty(size / scale)} {unit}"
+        text = (
+            length(size) if is_length else f"{round_uncertainty(size / scale)} {unit}"
+        )
         return f"{AT_LEAST} {text}" if self.is_more else text
 
 
@@ -193,6 +195,7 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
             has_limits=bool(own),
             has_aids=bool(curve.measured),
             is_more=growth.is_more,
+            is_predicted=curve.mixture is not None,
         ),
         data=data,
         data_on_paper=False,

@@ -14,6 +14,7 @@ from budget.inputs import load_device, load_procedure, uncalibrated
 from budget.model.noise import Flicker, GaussMarkov, Quantized, RandomWalk, White
 from budget.names import Name
 from budget.report.figures.allan import (
+    SIGMA,
     Allan,
     allan_picture,
     allan_variance,
@@ -117,7 +118,7 @@ def test_it_says_what_is_left_in_an_average():
     assert_says(picture.alt, said, "angle random walk")
     assert len(picture.data.groups[0].rows) == 7
     found = texts(draw_allan(of("zhao-2019")))
-    assert {"5 min", "σ 0.029", "u 0.038", "18 s", "all together"} <= set(found)
+    assert {"5 min", f"{SIGMA} 0.029", "u 0.038", "18 s", "all together"} <= set(found)
     assert any("log scale" in text for text in found)
 
 

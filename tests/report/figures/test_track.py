@@ -89,7 +89,10 @@ def test_small_errors_are_enlarged_and_it_is_said_how_much():
     small, large = way(1.0), way(1000.0)
     assert small.times > 10.0
     assert large.times == 1.0
-    assert_says(track_picture(small).caption, f"enlarged {small.times:g} times against the track")
+    assert_says(
+        track_picture(small).caption,
+        f"enlarged {small.times:g} times against the track",
+    )
     assert_says(track_picture(large).caption, "to scale")
 
 
