@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from figure_text import crossed_texts, cut_texts, texts
@@ -139,3 +141,13 @@ class _Nothing:
     times = ()
     covariance = np.zeros((1, 0, 9, 9))
     mixture = None
+
+
+def test_a_round_ellipse_has_no_long_axis():
+    """Its bearing is a dash; what lacks makes all of it this or more."""
+    one = ellipse(np.eye(2))
+    more = replace(way(1.0), ellipses=(replace(one, is_more=True),))
+    (row,) = track_picture(more).data.groups[0].rows
+    assert row[3].text == "-"
+    assert row[1].text == "\N{GREATER-THAN OR EQUAL TO} 2.4"
+    assert "\N{GREATER-THAN OR EQUAL TO} 2.4 m" in track_picture(more).title
