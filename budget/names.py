@@ -167,7 +167,7 @@ def meant(text: str, known: Iterable[Name]) -> tuple[Name, ...]:
 
 def words(name: str) -> str:
     """Turn a key into words: 'scale_factor' to 'scale factor'."""
-    plain = name.replace("non_", "non-").replace("_", " ")
+    plain = name.replace("non_", "non-").replace("turn_on", "turn-on").replace("_", " ")
     return " ".join("IMU" if word == IMU else word for word in plain.split(" "))
 
 

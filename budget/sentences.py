@@ -167,7 +167,6 @@ def environment_of(_: Path | None) -> SandboxedEnvironment:
         "line": line_title,
         "time": time_text,
         "each": _each,
-        "row": _row,
         "thousands": lambda count: f"{count:,}".replace(",", " "),
         "commas": _commas,
         "listed": lambda texts: listed([str(_plain(one)) for one in texts]),
@@ -210,11 +209,6 @@ def _said(message: str, **parts: object) -> Markup:
 def _each(records: Iterable[Any], write: Callable[[Any], str]) -> list[str]:
     """Return what a macro writes of each record."""
     return [write(one) for one in records]
-
-
-def _row(texts: Iterable[object]) -> str:
-    """Put texts one after another, with the same comma in every language."""
-    return ", ".join(str(_plain(one)) for one in texts)
 
 
 def _commas(texts: Iterable[object], mark: str = ", ") -> str:

@@ -660,11 +660,11 @@ function makeHandOut(model) {
     const rest = changeWords({ sources: elsewhere.map(({ source }) => source) }, elsewhere.map(({ factor }) => factor));
     words.textContent = said ? word("Changed: {said}.", { said }) : word("Nothing is changed.");
     if (!model.device) words.append(word(" No file says all of this device: it is changed by --set."));
-    else if (rest) words.append(word(" Not a line of the device, change it where it stands: {rest}.", { rest }));
+    else if (rest) words.append(word(" Not a specification of the device, change it where it stands: {rest}.", { rest }));
     device.area.value = (said ? `${word("# Changed by what-if: {said}", { said })}\n` : "") + text;
     const isElsewhere = elsewhere.length && model.device;
     command.area.value = (isElsewhere ? model.command_of_file : changedCommand(model, factors))
-      || word("No command says it: a changed line has several numbers, or is no line of the device. Change it in its file.");
+      || word("No command says it: a changed specification has several numbers, or is none of the device. Change it in its file.");
   };
   return { place, update };
 }

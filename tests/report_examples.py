@@ -373,7 +373,7 @@ LIMITS = {
 
 
 # What every verdict made by hand is of, in a headline.
-AFTER = "as the maker calibrated it, in the environment of its test"
+AFTER = "as the maker calibrated it, in the environment of the calibration"
 
 
 def make_standing(verdict, sensor="gyro", conditions=1):

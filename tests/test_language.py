@@ -42,7 +42,7 @@ from budget.report.page import SCRIPTS, script_messages
 
 # What stays as it is: units, names, keys of files, options and abbreviations.
 KEPT = re.compile(
-    r"[\w-]+\.yaml|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
+    r"[\w-]+\.yaml|GUM|deg|arcsec|ppm|sqrt|sigma|inf|[a-z]+\.[a-z_.]+|--[a-z-]+"
 )
 
 

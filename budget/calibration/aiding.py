@@ -182,7 +182,8 @@ def believing(
         if line is None or (one.is_time and line.correlation_time is None):
             raise CallError(
                 f"mission.filter.believes.{one.line}: {own[kind].device} has no such "
-                "line; expected one that its file gives: remove it, or give the line"
+                "specification; expected one that its file gives: remove it, or give "
+                "that"
             )
         axes = source_of(kind, line.name).axes
         values = np.array(line.correlation_time if one.is_time else line.u)

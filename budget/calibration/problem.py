@@ -231,9 +231,9 @@ class _Row:
             times = effect.size(given, own.scheme) // given.u.size
             if times > MOST_INPUTS:
                 raise CallError(
-                    f"{name}: this test has {times} independent values of it, "
+                    f"{name}: this calibration has {times} independent values of it, "
                     f"{MOST_INPUTS} at the most can be propagated; leave it out, or "
-                    "give a test with fewer windows"
+                    "give one with fewer windows"
                 )
         return Group.independent(
             name,

@@ -39,7 +39,7 @@ def allocate(
     costs: Annotated[
         Path | None,
         options.computed(
-            metavar="FILE", help="Costs file; other lines have a = p = 1."
+            metavar="FILE", help="Costs file; other specifications have a = p = 1."
         ),
     ] = None,
     fix: Annotated[
@@ -99,7 +99,7 @@ def allocate(
     """Find the standard uncertainty that each specification may have.
 
     The device is where it starts. Exit code 1 where what is allocated meets the
-    requirement on conditions alone or cannot be judged; 1, and no file written, where
+    requirement only on conditions or cannot be judged; 1, and no file written, where
     the requirement cannot be met.
     """
     from budget.cli.computing import computing
@@ -219,7 +219,8 @@ def _values(
             if value <= 0.0:
                 raise CallError(
                     f"{option} {name.strip()}: found {printed.strip()!r}, expected a "
-                    "value above 0; to take a line out, leave it out of the device"
+                    "value above 0; to take a specification out, leave it out of the "
+                    "device"
                 )
             values[full] = value
     return values

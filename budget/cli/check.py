@@ -143,7 +143,7 @@ def check(
         list[str] | None,
         typer.Option(
             metavar="SOURCE",
-            help="Line that an allocation leaves as it is; may be given again.",
+            help="Specification that an allocation keeps as it is; may be given again.",
             show_default=False,
         ),
     ] = None,
@@ -168,12 +168,14 @@ def check(
 ) -> None:
     """Hold stored budgets against their files as they are now.
 
-    Each is computed again from its input files. Results by the law may differ by 1e-9,
-    those of trials by what two seeds may give. Exit code 1 where a number moved, with
-    what moved and which input or version did it; 2 where a reference cannot be checked.
+    Each is computed again from its input files. Results by GUM propagation may
+    differ by 1e-9, those of trials by what two seeds may give. Exit code 1 where a
+    number moved, with what moved and which input or version did it; 2 where a reference
+    cannot be checked.
 
-    With --save a budget is stored: `budget check --save ref.json DEVICE...`. The law is
-    stored without its check by Monte Carlo, an allocation without its correction.
+    With --save a budget is stored: `budget check --save ref.json DEVICE...`. GUM
+    propagation is stored without its check by Monte Carlo, an allocation without its
+    correction.
     """
     from budget.cli.output import pages_asked
     from budget.report.rendering import check_suffixes

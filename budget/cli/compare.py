@@ -72,13 +72,13 @@ def compare(
         bool,
         typer.Option(
             "--strict",
-            help="Compute nothing if any file is bad, or a test takes any device "
-            "beyond its range.",
+            help="Compute nothing if any file is bad, or a calibration takes any "
+            "device beyond its range.",
         ),
     ] = False,
     validate: Annotated[
         bool,
-        typer.Option("--validate", help="By gum: check every law by Monte Carlo."),
+        typer.Option("--validate", help="By gum: check every one by Monte Carlo."),
     ] = False,
     accept: options.Accept = "meets",
     full: options.Full = False,

@@ -64,7 +64,7 @@ def decide(
 ) -> None:
     """Say what to buy for a need: which device, after which calibration, and why.
 
-    On one page: the device, its calibration, the station of its test, when to calibrate
+    On one page: the device, its calibration, the station for that, when to calibrate
     again, and what to ask the makers for of devices that cannot be judged. Exit code 1
     if nothing meets.
     """

@@ -59,9 +59,9 @@ def diff(
     Largest is by the difference over A's standard uncertainty of the output; of a
     number that belongs to no output, over itself. Each difference is attributed to the
     inputs that differ: A's keys are exchanged one at a time for those of B, and the
-    budget is computed by the law.
+    budget is computed by GUM propagation.
 
-    A device is analyzed by the law; beside a reference, with the procedure, the
+    A device is analyzed by GUM propagation; beside a reference, with the procedure, the
     requirement and the settings of that. The numbers of a reference are the stored
     ones. Exit code 0 whatever differs.
 

@@ -85,8 +85,8 @@ def export(
         bool,
         typer.Option(
             "--residual",
-            help="Bias, scale factor and mounting angles as the calibration leaves "
-            "them at the next turn-on, in place of the raw lines.",
+            help="Bias, scale factor and mounting angles after calibration, "
+            "at the next turn-on, in place of the raw specifications.",
         ),
     ] = False,
     procedure: options.ProcedureFile = None,
@@ -128,8 +128,9 @@ def export(
 ) -> None:
     """Write the figures of a device as a filter or a simulator reads them.
 
-    Every value says in a comment which line it is from and how it is made. What the
-    target cannot hold is listed, and a line that it needs is never made up.
+    Every value says in a comment which specification it is from and how it is made.
+    What the target cannot hold is listed, and a specification that it needs is never
+    made up.
     """
     from budget.cli.output import check_destinations, hand_out
     from budget.cli.streams import talk

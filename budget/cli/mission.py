@@ -40,7 +40,7 @@ def mission(
     """Say how far off navigation is after a calibration, and the main contributors.
 
     Position (CEP, R95, DRMS), velocity and attitude at some times of a mission, with
-    the errors that the calibration leaves at a later turn-on and the noise in run. With
+    the residual errors after calibration at a later turn-on and the noise in run. With
     limits on a mission in the requirement the verdict comes first; the exit code is 0
     whatever it is, but for --exit-code.
     """

@@ -26,8 +26,8 @@ def new(
     line: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="SENSOR.LINE=VALUE",
-            help="A line of the data sheet, gyro.bias_stability='0.5 deg/h', its value "
+            metavar="SENSOR.SPEC=VALUE",
+            help="A specification, as gyro.bias_stability='0.5 deg/h', its value "
             "as a file has it; may be given again.",
             show_default=False,
         ),
@@ -50,11 +50,11 @@ def new(
         bool, typer.Option("--force", help="Overwrite the file, if there is one.")
     ] = False,
 ) -> None:
-    """Write a device file: the lines that are given, the others as comments.
+    """Write a device file: the specifications given, the others as comments.
 
-    Without --line it asks for the expected lines where stdin and stderr are a terminal;
-    elsewhere every line is a comment to fill in. A line with something wrong is refused
-    as `budget validate` would, and nothing is written.
+    Without --line it asks for the expected specifications where stdin and stderr are a
+    terminal; elsewhere every one is a comment to fill in. A value with something wrong
+    is refused as `budget validate` would, and nothing is written.
     """
     from budget.cli.output import hand_out
     from budget.errors import CallError

@@ -266,7 +266,7 @@ Environment = Annotated[
     calibrated(
         metavar="TEXT|none",
         help="That the unit is used in, as 'temperature 20 degC, vibration 1 g' "
-        "(difference from the test, 1 sigma; rms), or none, as in its test "
+        "(difference from the calibration, 1 sigma; rms), or none, as there "
         "(--reference next_turn_on).",
         show_default=False,
     ),
@@ -386,7 +386,7 @@ MaxTrials = Annotated[
 ]
 Full = Annotated[
     bool,
-    written("--full", help="Everything: not the answer alone, all that is known."),
+    written("--full", help="Everything that is known, not only the answer."),
 ]
 Sobol = Annotated[
     bool, computed("--sobol", help="Estimate Sobol' indices of the sources too.")
@@ -450,7 +450,7 @@ Only = Annotated[
     computed(
         autocompletion=complete_source,
         metavar="SOURCE",
-        help="Count this source alone, as gyro.bias_stability or bias_stability; "
+        help="Count only this source, as gyro.bias_stability or bias_stability; "
         "may be given again.",
         show_default=False,
     ),
@@ -460,7 +460,7 @@ Changes = Annotated[
     judged(
         "--set",
         autocompletion=complete_line,
-        metavar="LINE=VALUE",
+        metavar="SPEC=VALUE",
         help="Another value than the file's, as gyro.bias_stability='0.02 deg/h', of "
         "an axis gyro.bias_repeatability.x=..., of one device NAME:gyro...; may be "
         "given again.",
@@ -472,7 +472,7 @@ Outputs = Annotated[
     written(
         autocompletion=complete_output,
         metavar="NAME,...",
-        help="Show these alone, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
+        help="Show only these, as gyro, gyro.bias, gyro.bias.z or bias.z, or what is "
         "derived of the mounting angles: rotation, non_orthogonality, misalignment; "
         "may be given again.",
         show_default=False,
@@ -490,8 +490,8 @@ Kinds = Annotated[
     judged(
         "--kind",
         case_sensitive=False,
-        help="Of the catalogue what has this, alone or in an IMU, or is an IMU; may be "
-        "given again.",
+        help="Of the catalogue what has this, by itself or in an IMU, or is an IMU; "
+        "may be given again.",
         show_default=False,
     ),
 ]

@@ -58,7 +58,8 @@ def report(
         bool,
         typer.Option(
             "--allocate",
-            help="Add what each line may be to meet the requirement (proportional).",
+            help="Add the allowable specification values for the requirement "
+            "(proportional).",
         ),
     ] = False,
     full: options.Full = False,
@@ -71,11 +72,11 @@ def report(
     json: options.JsonFile = None,
     csv: options.CsvFile = None,
 ) -> None:
-    """Write the error budget as a report: verdict first, then what it stands on.
+    """Write the error budget as a report: verdict first, then its basis.
 
-    Inputs, procedure, budget, coupling, distributions, the law against Monte Carlo,
-    method and provenance, the same in HTML and PDF; the HTML page has sliders that
-    change the sources.
+    Inputs, procedure, budget, coupling, distributions, GUM propagation vs Monte
+    Carlo, method and provenance, the same in HTML and PDF; the HTML page has sliders
+    that change the sources.
     """
     from budget.cli.computing import computing
     from budget.cli.output import (
@@ -124,7 +125,7 @@ def report(
         raise CallError("--at is a time of a mission: name one with --mission")
     if allocate and asked.missing != "refuse":
         raise CallError(
-            "--allocate shares limits out among the lines that are given, --missing "
+            "--allocate shares limits out among the specifications given, --missing "
             f"{asked.missing} puts others beside them: one report would hold two "
             "budgets; write two"
         )

@@ -25,7 +25,7 @@ def _ratio(text: str) -> float:
     if not LEAST_RATIO <= value <= MOST_RATIO:
         raise typer.BadParameter(
             f"{text!r} is no ratio of a limit to the expanded uncertainty of the "
-            f"station alone; give one of {LEAST_RATIO:g}:1 to "
+            f"station by itself; give one of {LEAST_RATIO:g}:1 to "
             f"{MOST_RATIO:g}:1, as 4:1, 3:1 or 10"
         )
     return value
@@ -61,7 +61,7 @@ def station(
         options.judged(
             parser=_ratio,
             metavar="N:1",
-            help="Limit over the expanded uncertainty of the station alone (4:1).",
+            help="Limit over the expanded uncertainty of the station by itself (4:1).",
             show_default=False,
         ),
     ] = None,

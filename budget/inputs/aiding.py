@@ -363,8 +363,8 @@ class FilterPart(Strict):
     )
     believes: dict[ShortText, ShortText] | None = Field(
         default=None,
-        description="lines that it takes for others than they are, as --set writes "
-        "them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",
+        description="specifications that it takes for others than they are, as --set "
+        "writes them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",
     )
 
     @model_validator(mode="after")
@@ -437,8 +437,9 @@ def _believed(key: str, text: str) -> Believed:
     known = _lines()
     if key not in known:
         raise UnitError(
-            f"found {key!r}, which is no line; expected one as --set names it, such as "
-            "gyro.angle_random_walk, or of the aids, such as aiding.gnss_position"
+            f"found {key!r}, which is no specification; expected one as "
+            "--set names it, such as gyro.angle_random_walk, or of the aids, such "
+            "as aiding.gnss_position"
         )
     name, inside, like = known[key]
     quantity = parse_quantity(text, like)

@@ -38,7 +38,7 @@ def split_line(text: str) -> tuple[str, str, str]:
     if not (whole and text.isprintable()):
         hint = nearest(sensor, SENSORS) if rest and sensor not in SENSORS else ""
         raise CallError(
-            f"--line {text!r}: expected SENSOR.LINE=VALUE on one line, as "
+            f"--line {text!r}: expected SENSOR.SPEC=VALUE on one line, as "
             "gyro.bias_stability='0.5 deg/h' or "
             '"accelerometer.bias_repeatability={value: 1 mg, meaning: max}"; SENSOR '
             f"is {' or '.join(SENSORS)}{hint}"
@@ -76,10 +76,10 @@ def _text(
     name: str, source: str, lines: Mapping[tuple[str, str], str], sensors: set[str]
 ) -> Iterator[str]:
     """Yield the lines of a device file."""
-    yield "# A device: what its data sheet prints, line by line, as printed."
+    yield "# A device: what its data sheet prints, as printed."
     yield f"# How to read a data sheet: {PAGE}; units: {UNITS}"
     yield "# Check with: budget validate FILE"
-    yield f"# To use a line remove its '#' and put the value for {BLANK}; where more is"
+    yield f"# To give one remove its '#' and put the value for {BLANK}; where more is"
     yield "# printed: {value: ___ ppm, meaning: typical, condition: 25 °C}. Meanings:"
     yield f"# {', '.join([*SIGMAS, *HALF_WIDTHS])}: {MEANINGS}"
     yield "format: budget-device/1"
@@ -93,7 +93,7 @@ def _text(
         off = "" if sensor in sensors else "# "
         mine = {line: value for (own, line), value in lines.items() if own == sensor}
         yield f"{off}{sensor}:"
-        empty = "" if mine or off else " {} # the first line takes the place of {}"
+        empty = "" if mine or off else " {} # the first one takes the place of {}"
         yield f"{off}  errors:{empty}"
         known = {line.name: line for line in lines_of(sensor)}
         for line, source_line in known.items():
@@ -114,7 +114,7 @@ def _text(
                 yield f"    # {line}: {blank}"
         for line in mine.keys() - known.keys():
             yield f"    {scalar(line)}: {_value(mine[line])}"
-    yield "# Printed values that are no line:"
+    yield "# Printed values that are no specification of the model:"
     yield "# figures:"
     yield "#   - {name: gyro.bandwidth, value: 262 Hz, condition: configurable}"
 

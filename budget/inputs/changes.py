@@ -117,8 +117,8 @@ def texts_of(changes: Changes) -> tuple[str, ...]:
         not isinstance(one, str) for one in changes
     ):
         raise CallError(
-            f"changes are {changes!r:.60}, expected a dict of values by line, as "
-            "{'gyro.bias_stability': '0.02 deg/h'}"
+            f"changes are {changes!r:.60}, expected a dict of values by specification, "
+            "as {'gyro.bias_stability': '0.02 deg/h'}"
         )
     return tuple(changes)
 
@@ -156,7 +156,7 @@ def read_change(text: str) -> Change:
     device, _, path = address.strip().rpartition(":")
     if not sign or not value.strip():
         raise CallError(
-            f"--set: found {text!r}, expected SENSOR.LINE=VALUE, as {_EXAMPLE}"
+            f"--set: found {text!r}, expected SENSOR.SPEC=VALUE, as {_EXAMPLE}"
         )
     sensor, *keys = keys_of(path.strip())
     if sensor not in SENSORS or not keys or not all(keys):
@@ -167,8 +167,9 @@ def read_change(text: str) -> Change:
         )
         every = (*known, *(name.without_owner for name in known))
         raise CallError(
-            f"--set: {path.strip()!r} is no line of a sensor, expected SENSOR.LINE "
-            f"with {' or '.join(SENSORS)}, as {_EXAMPLE}{_whose(path.strip(), every)}"
+            f"--set: {path.strip()!r} is no specification of a sensor, expected "
+            f"SENSOR.SPEC with {' or '.join(SENSORS)}, as "
+            f"{_EXAMPLE}{_whose(path.strip(), every)}"
         )
     place = keys.pop(0) if keys[0] in {"errors", "nominal"} and keys[1:] else "errors"
     line, *inside = keys

@@ -43,7 +43,9 @@ class Known:
 class WarmUpPart(Strict):
     """T - T0 = -by exp(-t/time), T0 the temperature of the test."""
 
-    by: Reading = Field(description="how far it is below that of the test at the start")
+    by: Reading = Field(
+        description="how far it is below that of the calibration at the start"
+    )
     time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] = Field(
         description="in which it comes as near as 1/e"
     )
@@ -53,7 +55,7 @@ class TemperaturePart(Checked):
     """A temperature that is known at every time, in place of how far it may be off."""
 
     reference: Reading | None = Field(
-        default=None, description="beside a profile: the temperature of the test"
+        default=None, description="beside a profile: the temperature of the calibration"
     )
     profile: tuple[tuple[Time, Reading], ...] | None = Field(
         default=None,
@@ -62,21 +64,22 @@ class TemperaturePart(Checked):
         "between them and constant beyond",
     )
     warm_up: WarmUpPart | None = Field(
-        default=None, description="in place of a profile: it comes to that of the test"
+        default=None,
+        description="in place of a profile: it comes to that of the calibration",
     )
 
     def _faults(self) -> Faults:
         """Return what is wrong with it."""
         if self.warm_up is not None:
             others = (key for key in ("reference", "profile") if getattr(self, key))
-            text = "stands beside warm_up, which ends at the temperature of the test"
+            text = "stands beside warm_up, which ends at that of the calibration"
             return {(key,): f"{text}; remove one of them" for key in others}
         if self.profile is None or self.reference is None:
             lacks = "profile" if self.profile is None else "reference"
             given = "reference" if self.profile is None else "profile"
             return {
                 (given,): f"stands without {lacks}, expected such as {EXAMPLE}; "
-                "reference is the temperature of the test"
+                "reference is the temperature of the calibration"
             }
         points = self.profile
         found: Faults = {}

@@ -112,16 +112,16 @@ class SensorPart(Strict):
         if flicker and stable and not getattr(flicker, "adds_to", None):
             message = (
                 "stands beside bias_stability: the bias instability that a maker "
-                "prints, given as flicker and as a Gauss-Markov process, would count "
-                "twice; expected one of them. Remove one, or, where they are two "
-                "noises, write {value: ..., adds_to: bias_stability}"
+                "prints, given as flicker and as a Gauss-Markov process, would be "
+                "counted twice; expected one of them. Remove one, or, where they are "
+                "two noises, write {value: ..., adds_to: bias_stability}"
             )
             raise faults({("errors", "flicker"): message})
         found = {
             ("errors", ageing): (
                 f"stands beside {repeated}, which is given over {over.printed} and so "
-                "contains what that time does: it would count twice; expected one of "
-                f"them. Remove one, or, where {repeated} is that of turn-ons alone, "
+                "contains what that time does: it would be counted twice; expected "
+                f"one of them. Remove one, or, where {repeated} is of turn-ons only, "
                 f"write {{value: ..., adds_to: {repeated}}}"
             )
             for parameter, ageing in AGEING.items()
@@ -141,8 +141,8 @@ class SensorPart(Strict):
             return self
         message = (
             f"stands beside {walk}: white noise, given by the sample and as a random "
-            "walk, would count twice; expected one of them. Remove one, or, where they "
-            "are two noises, write {value: ..., adds_to: " + walk + "}"
+            "walk, would be counted twice; expected one of them. Remove one, or, where "
+            "they are two noises, write {value: ..., adds_to: " + walk + "}"
         )
         raise faults({("errors", SAMPLE_NOISE): message})
 
@@ -166,15 +166,15 @@ class SensorPart(Strict):
                 ]
                 found["errors", elsewhere[0], "reading"] = (
                     f"may be {OVER_TEMPERATURE}, and so is {' and so is '.join(beside)}"
-                    ": it would count twice; expected one of them. Remove that word, "
-                    "or the other line"
+                    ": it would be counted twice; expected one of them. Remove that "
+                    "word, or the other specification"
                 )
             elif given and getattr(self.errors, residual, None):
                 found["errors", residual] = (
-                    f"stands beside {' and '.join(given)}: what is left over "
+                    f"stands beside {' and '.join(given)}: the residual over "
                     "temperature and what a temperature changes are one effect, and "
-                    "would count twice; expected one of them. Remove the coefficient, "
-                    "where the maker compensates it, or the residual"
+                    "would be counted twice; expected one of them. Remove the "
+                    "coefficient, where the maker compensates it, or the residual"
                 )
         if found:
             raise faults(found)

@@ -299,8 +299,8 @@ class ProcedureFile(Strict):
     )
     environment: environment_type() | None = Field(  # type: ignore[valid-type]
         default=None,
-        description="what changes during the test, and that of the use; unset: nothing "
-        "in the test, and of the use nothing is stated; none: neither",
+        description="what changes during the calibration, and that of the use; unset: "
+        "nothing in the calibration, and of the use nothing is stated; none: neither",
     )
     age: Age | None = AGE_FIELD
 

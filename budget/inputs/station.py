@@ -200,7 +200,8 @@ class StationFile(Strict):
         default=None, description="uncertainties of table, place and timing"
     )
     environment: environment_type() | None = Field(  # type: ignore[valid-type]
-        default=None, description="what changes during the test; unset: nothing"
+        default=None,
+        description="what changes during the calibration; unset: nothing",
     )
 
     @model_validator(mode="after")

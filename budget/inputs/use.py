@@ -127,9 +127,9 @@ OnTheWay: Any = Annotated[
     OrPart(words=((NONE, _NONE),)),
 ]
 _SAYS = (
-    "that it is used in: temperature, difference from that of the test, 1 "
-    "sigma{known}; vibration, rms; or none, as in the test and right after it. Unset: "
-    "not stated, and nothing meets without a condition"
+    "that it is used in: temperature, difference from that of the "
+    "calibration, 1 sigma{known}; vibration, rms; or none, as in the calibration and "
+    "right after it. Unset: not stated, and nothing meets without a condition"
 )
 ENVIRONMENT_FIELD: Any = Field(default=None, description=_SAYS.format(known=""))
 ON_THE_WAY_FIELD: Any = Field(

@@ -157,7 +157,7 @@ def export_answer(found: Export) -> tuple[Section, ...]:
                 Field(head="from", cell=lambda one: ", ".join(one.lines)),
             ),
             name="export",
-            caption=f"What {found.target.title} is told, with the lines it is from",
+            caption=f"What {found.target.title} is told, from which specifications",
         ),
     ]
     blocks += [

@@ -602,12 +602,14 @@ class Plots:
         table = coupling_by_law(
             analysis.problem, analysis.law, analysis.procedure.formulas
         )
-        return _drawn(coupling_chart(table, sensor), f"no source reaches the {sensor}")
+        return _drawn(coupling_chart(table, sensor), f"no source affects the {sensor}")
 
     @_headed
     def schedule(self) -> Figure:
         """Show turns and dwells of the test, to scale."""
-        return _drawn(_schedule(self.budget), "there is no test, or it has no windows")
+        return _drawn(
+            _schedule(self.budget), "there is no calibration, or it has no windows"
+        )
 
     @_headed
     def positions(self) -> Figure:
@@ -627,7 +629,9 @@ class Plots:
         triads = {one.kind: one for one in analysis.sensors}
         triad = _choice(triads, sensor or next(iter(triads)))
         found = Allan.of(triad, analysis.procedure)
-        return draw_allan(_found(found, f"no line of the {triad.kind} is noise"))
+        return draw_allan(
+            _found(found, f"no specification of the {triad.kind} is noise")
+        )
 
     @_headed
     def growth(self, error: str = "position.horizontal") -> Figure:
@@ -654,7 +658,10 @@ class Plots:
     @_headed
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""
-        why = "the law was not validated; analyze with validate=True and method='gum'"
+        why = (
+            "GUM propagation was not validated; analyze with validate=True and "
+            "method='gum'"
+        )
         return _drawn(validity_chart(self.budget, self._sensor(sensor)), why)
 
     @_headed

@@ -225,17 +225,21 @@ class GroupTable:
         )
 
 
-def print_gaps(rows: Sequence[OutputBudget]) -> str:
-    """Say which expected lines outputs lack, as of a group; '' where none."""
+def print_gaps(rows: Sequence[OutputBudget], most: int = 0) -> str:
+    """Say which expected lines outputs lack, as of a group; '' where none.
+
+    With `most` the first of them, and how many more.
+    """
     lacks = dict.fromkeys(
         source_title(one, of=row.sensor) for row in rows for one in row.lacks
     )
     if not lacks:
         return ""
+    names = [*lacks]
+    if most and len(names) > most + 1:
+        names = [*names[:most], say("{more} more", more=len(names) - most)]
     unknown = any(row.is_unknown for row in rows)
-    return sentence(
-        "analysis/shares.gaps", lacks=list(lacks), is_unknown=unknown
-    ).said()
+    return sentence("analysis/shares.gaps", lacks=names, is_unknown=unknown).said()
 
 
 def _printed(record: OutputRow | SourceCell) -> tuple[object, ...]:

@@ -213,7 +213,7 @@ def say_unfelt(found: Sequence[Unfelt]) -> tuple[str, ...]:
 def age_that_counts_not(procedure: Procedure, reference: str) -> tuple[str, ...]:
     """Warn of an age of the calibration that the error reference knows nothing of."""
     age = next((line for line in procedure.environment if line.name == AGE), None)
-    if age is None or reference == "next_turn_on":
+    if age is None or not age.u.any() or reference == "next_turn_on":
         return ()
     text = sentence("cautions.age_counts_not", age=age.printed, reference=reference)
     return (text,)

@@ -478,9 +478,9 @@ def needs_test(requirement: Requirement, procedure: Procedure) -> None:
     limited = [kind for kind in requirement.kinds if kind != MISSION]
     if limited and procedure.formulas in UNCALIBRATED:
         raise CallError(
-            f"{requirement.origin.file}: {requirement.name} limits what a test leaves "
-            f"of {' and '.join(limited)}, and {procedure.name} is no test; give a "
-            "procedure, or a requirement with limits on a mission alone"
+            f"{requirement.origin.file}: {requirement.name} limits the residual error "
+            f"of {' and '.join(limited)}, and {procedure.name} is no calibration; "
+            "give a procedure, or a requirement with limits on a mission only"
         )
 
 

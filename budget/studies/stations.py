@@ -637,7 +637,7 @@ def _check(ratio: float, guard: float, strategy: str, procedure: Procedure) -> N
     if not (isfinite(ratio) and LEAST_RATIO <= ratio <= MOST_RATIO):
         faults.append(
             f"ratio is {ratio!r}, allowed: {LEAST_RATIO:g} to {MOST_RATIO:g}, the "
-            "limit over the expanded uncertainty of the station alone; 4 is usual"
+            "limit over the expanded uncertainty of the station by itself; 4 is usual"
         )
     if not (isfinite(guard) and 0.0 <= guard <= MOST_GUARD):
         faults.append(

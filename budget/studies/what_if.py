@@ -71,6 +71,7 @@ if TYPE_CHECKING:
 
 
 LARGEST = 1e6  # factor up to which it is asked what will do [1]
+NEAR = 1e-3  # below the largest factor at which a limit is kept [1]
 # Over a utilisation: of limits that are kept one by one nobody knows here whether all
 # are kept together; one that is not kept is not kept together [1].
 JOINTLY = (1.0, 1e300)
@@ -780,6 +781,25 @@ def _most(what_if: WhatIf, source: Name, judged: Sequence[str]) -> float | None:
     from scipy.optimize import brentq
 
     return float(brentq(beyond, 0.0, LARGEST))
+
+
+def mended(what_if: WhatIf, sensor: str) -> tuple[WhatIfSource, float] | None:
+    """Return the source that need be lessened least for a sensor, or mission, to meet.
+
+    With the factor on it at which it does, all others as they are; None where no one
+    source does: verdicts on conditions, and those that wait for what is not given, are
+    none that meet.
+    """
+    able = []
+    for source in what_if.sources:
+        factor = _most(what_if, source.name, (sensor,)) or inf
+        if factor < 1.0:
+            outlook = what_if.evaluate({source.name: factor * (1.0 - NEAR)})
+            if {one.verdict for one in outlook.sensors if one.sensor == sensor} == {
+                MEETS
+            }:
+                able.append((source, factor))
+    return max(able, key=lambda one: settle(one[1]), default=None)
 
 
 def _is_used_lower_bound(what_if: WhatIf, judged: Sequence[str]) -> bool:

@@ -296,7 +296,7 @@ def test_a_gyro_that_the_turns_are_beyond_is_refused_for_the_test():
     (text,) = refusals(unit.sensors, load_procedure())
     for word in ("unit", "gyro", "±10 deg/s", "20 deg/s", "turn x+", "Zhao 2019"):
         assert word in text
-    with pytest.raises(CallError, match="cannot be tested"):
+    with pytest.raises(CallError, match="cannot be calibrated"):
         calibration_problem(unit.sensors, load_procedure())
 
 

@@ -374,7 +374,7 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
     assert run.code == 1
     assert found["feasible"] is True
     assert {one["verdict"] for one in found["standings"]} == {"undecidable"}
-    assert any("nothing to share" in text for text in found["warnings"])
+    assert any("nothing to allocate" in text for text in found["warnings"])
     assert found["devices"] == []
 
 

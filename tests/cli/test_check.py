@@ -289,7 +289,7 @@ class TestMoved:
 
         assert run.code == 1
         said = flat(run.out)
-        assert "gyro.dwell: 300 s -> 5 ms (cannot be tried alone)" in said
+        assert "gyro.dwell: 300 s -> 5 ms (cannot be tried by itself)" in said
         assert re.search(r"(?m)^all .*together: 100 %", run.out)
 
     @pytest.mark.usefixtures("folder")

@@ -90,7 +90,7 @@ def test_after_a_test_it_says_which_test():
     """One calibration in one turn-on: the number of each is under its own name."""
     assert_says(
         answer(*BENCH, "--procedure", "zhao-2019").out,
-        "Mission: bench, 1 h, after the test Zhao 2019 on an ideal table",
+        "Mission: bench, 1 h, after the calibration Zhao 2019 on an ideal table",
         *("12 km CEP", "26 km R95", "15 km DRMS"),
         *("83 % of the variance is gyro bias repeatability", "6.7 nmi/h"),
     )
@@ -174,7 +174,7 @@ def test_a_limit_is_judged_at_its_own_probability(limits):
     """The verdict comes first; 50 % is CEP, the others are at 95 %."""
     assert_says(
         answer(*OUTAGE, "--requirement", limits).out,
-        *("FAILS a mile, mission alone", "does not conform", "conforms"),
+        *("FAILS a mile, mission only", "does not conform", "conforms"),
         "Limits on gyro are on the calibration",
     )
     found = document(*OUTAGE, "--requirement", limits)
@@ -345,7 +345,7 @@ def test_what_lacks_lines_conforms_in_no_row(loose):
         *("mission", "hg4930#A", *OUTAGE[2:]),
         *("--calibration", "none", "--requirement", loose),
     ).out
-    assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: lines missing")
+    assert_says(out, "UNDECIDABLE loose", "1 cannot be decided", "open: not given")
     assert "conforms\n" not in out
     assert "probability of" not in out
 
@@ -387,7 +387,7 @@ def test_a_filter_that_believes_too_much_is_warned_of():
     files = (str(AIDED / "mems.yaml"), "--mission", str(AIDED / "g4.yaml"))
     said = answer("mission", *files, "--no-validate").out
 
-    assert_says(said, "it says too much")
+    assert_says(said, "what it says of its own accuracy is too good")
     assert_says(said, "the filter believes 22.9 m DRMS, and 31 m is true")
 
 

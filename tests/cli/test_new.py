@@ -104,9 +104,9 @@ def test_a_file_is_not_lost(tmp_path):
         ("gyro.ARW=1 deg/sqrt(h)", "did you mean 'angle_random_walk'"),
         ("gyro.bias_stability={value: 1 deg/h, meaning: 4 sigma}", "found '4 sigma'"),
         ("gyro.bias_stability={value: 1 deg/h", "imu.yaml:"),
-        ("gyro.bias_stability", "expected SENSOR.LINE=VALUE"),
+        ("gyro.bias_stability", "expected SENSOR.SPEC=VALUE"),
         ("gyros.bias_stability=1 deg/h", "did you mean 'gyro'"),
-        ("gyro.=1 deg/h", "expected SENSOR.LINE=VALUE"),
+        ("gyro.=1 deg/h", "expected SENSOR.SPEC=VALUE"),
         ("gyro.bias_stability=1 deg/h\nname: y", "on one line"),
     ],
 )

@@ -87,7 +87,7 @@ def test_a_test_beyond_the_range_is_bad_input(name, words, folder, monkeypatch):
     assert run.code == 2, run.out + run.err
     assert run.out == ""
     assert "Traceback" not in run.err
-    assert_says(run.err, *SAID[name], "cannot be tested")
+    assert_says(run.err, *SAID[name], "cannot be calibrated")
     assert {path.name for path in folder.iterdir()} == before
 
 
@@ -138,7 +138,7 @@ def test_a_comparison_names_what_cannot_be_tested_and_leaves_it_out(folder):
         *(("slow", "accelerometer"), ("weak", "gyro")),
         *((name, kind) for name in ("wide", "VN-100") for kind in SENSORS),
     }
-    said = [one for one in run.document["warnings"] if "cannot be tested" in one]
+    said = [one for one in run.document["warnings"] if "cannot be calibrated" in one]
     assert len(said) == 2
     for name, text in zip(("slow", "weak"), said, strict=True):
         assert_says(text, *SAID[name])

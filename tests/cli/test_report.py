@@ -73,7 +73,7 @@ def test_a_station_has_its_section_in_every_form(tmp_path, monkeypatch):
     )
     assert (run.code, run.out) == (0, ""), run.err
     page = unescape((tmp_path / "x.html").read_text(encoding="utf-8"))
-    finding = re.search(r"The station takes[^<]*", page).group()
+    finding = re.search(r"The station contributes[^<]*", page).group()
     assert_says(finding, "22 %", "accelerometer scale factor", "gravity")
     pdf = text_of((tmp_path / "x.pdf").read_bytes(), tmp_path)
     assert squeeze(finding) in squeeze(pdf)

@@ -131,7 +131,7 @@ def test_limits_on_a_calibration_need_its_test(files):
         assert row["calibration"] == other["calibration"]
         used[what] = row
     assert used[one]["calibration"] == "as the maker calibrated it"
-    assert "after the test Zhao 2019" in used[both]["calibration"]
+    assert "after the calibration Zhao 2019" in used[both]["calibration"]
     assert used[both]["utilisation"] > 1.3 * used[one]["utilisation"]
 
 
@@ -145,7 +145,7 @@ def test_limits_on_a_calibration_without_a_test_are_refused(command, files, tmp_
     )
     assert run.code == 2
     assert "gyro" in run.err
-    assert "no test" in run.err
+    assert "no calibration" in run.err
 
 
 @pytest.mark.parametrize("word", ["none", "factory"])
@@ -330,7 +330,7 @@ def test_conditions_are_accepted_where_asked(command, more, code, files):
     """Nobody has stated the environment: a verdict is no better than meets_if."""
     run = call(command, "zhao-2019", "--requirement", files["anywhere"], *more)
     assert run.code == code
-    assert "its sheet does not say what" in " ".join(run.out.split())
+    assert "its data sheet does not specify the effect" in " ".join(run.out.split())
     stated = call(command, "zhao-2019", "--requirement", files["test"])
     assert stated.code == 0
 
@@ -341,8 +341,11 @@ def test_a_verdict_has_what_it_stands_on_beside_it(command, files):
     what = (command, "zhao-2019", "--requirement", files["anywhere"])
     run = call(*what)
     words = " ".join(run.out.split())
-    assert "after the test Zhao 2019 on an ideal table, its environment not" in words
-    assert "its sheet does not say what temperature" in words
+    assert (
+        "after the calibration Zhao 2019 on an ideal table, its environment not"
+        in words
+    )
+    assert "its data sheet does not specify the effect of temperature" in words
     assert max(map(len, run.out.splitlines())) <= 80
     (own,) = document(*what)["standings"]
     assert own["sensor"] == "gyro"
@@ -357,7 +360,7 @@ def test_conditions_stand_right_below_the_headline(files):
     what = ("zhao-2019", "--mission", files["bench"], "--requirement", files["open"])
     lines = call("mission", *what, *LAW).out.splitlines()
     (top,) = [n for n, line in enumerate(lines) if line.startswith("MEETS open ON")]
-    below = next(n for n, line in enumerate(lines) if "does not say what" in line)
+    below = next(n for n, line in enumerate(lines) if "does not specify" in line)
     table = next(n for n, line in enumerate(lines) if "limit" in line and n > below)
     assert top < below <= top + 2 < table
 
@@ -373,7 +376,7 @@ def test_an_age_of_0_is_clear_with_or_without_its_unit(files, tmp_path, age):
     ]
     for one in told:
         (sensor, *_) = one["assessment"]["sensors"]
-        assert "in the environment of its test" in sensor["use"]
+        assert "in the environment of the calibration" in sensor["use"]
         assert not [c for c in sensor["conditions"] if c["kind"] == "age"]
 
 
@@ -386,7 +389,10 @@ def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
         for more in ((), ("--age", "0"))
     )
     uses = [one["assessment"]["sensors"][0]["use"] for one in (own, other)]
-    assert uses == ["1 year after the calibration", "in the environment of its test"]
+    assert uses == [
+        "1 year after the calibration",
+        "in the environment of the calibration",
+    ]
 
 
 def test_no_environment_is_said_in_any_capitals(files, tmp_path):
@@ -398,7 +404,7 @@ def test_no_environment_is_said_in_any_capitals(files, tmp_path):
     for more in ((files["anywhere"], "--environment", "None"), (path,)):
         found = document("analyze", "zhao-2019", "--requirement", *more, *LAW)
         use = found["assessment"]["sensors"][0]["use"]
-        assert use == "in the environment of its test"
+        assert use == "in the environment of the calibration"
 
 
 @pytest.mark.parametrize(

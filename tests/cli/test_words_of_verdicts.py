@@ -107,7 +107,7 @@ def both(tmp_path, *args):
 
 
 # What says that a verdict is open, which MEETS is not.
-OPEN = ("open: lines missing", "cannot be decided", "at the most 100 %", "Not given: a")
+OPEN = ("open: not given", "cannot be decided", "at the most 100 %", "Not given: a")
 
 
 def test_nothing_is_open_where_a_verdict_hangs_on_no_missing_line(files, tmp_path):
@@ -121,7 +121,7 @@ def test_nothing_is_open_where_a_verdict_hangs_on_no_missing_line(files, tmp_pat
     for command, text in texts.items():
         assert "meets" in text.casefold(), command
         assert [word for word in OPEN if word in text] == [], command
-        assert "lines missing" not in text, command
+        assert "specifications not given" not in text, command
     document = told("analyze", *given, "--json", "-").document
     found = document["assessment"]
     (sensor,) = found["sensors"]
@@ -228,11 +228,14 @@ def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
         out = told("analyze", sheet, "--requirement", need, "--missing", mode).out
         heads[mode] = flat(out.split("\n\n")[1])
     for mode, how in (
-        ("worst", "with missing lines at the worst of the catalogue"),
-        ("predict", "with missing lines as predicted from the catalogue"),
+        ("worst", "with specifications not given at the worst of the catalogue"),
+        ("predict", "with specifications not given as predicted from the catalogue"),
     ):
         assert_says(
-            heads[mode], how, "after the test", "in the environment of its test"
+            heads[mode],
+            how,
+            "after the calibration",
+            "in the environment of the calibration",
         )
     assert heads["predict"].startswith("PREDICTED bench")
     assert "meets with a probability of" in heads["predict"]
@@ -290,10 +293,10 @@ def test_a_requirement_of_the_unit_at_its_test_asks_for_no_use(
     text = f"name: now\nreference: {reference}\nlimits:\n  gyro: {{bias: 20 deg/h}}\n"
     path.write_text(text, encoding="utf-8")
     run = told("analyze", files["sheet"], "--requirement", path)
-    assert_says(flat(run.out), "an ideal table, at its test")
+    assert_says(flat(run.out), "an ideal table, at the calibration")
     found = told("analyze", files["sheet"], "--requirement", path, "--json", "-")
     (sensor,) = found.document["assessment"]["sensors"]
-    assert (sensor["use"], sensor["conditions"]) == ("at its test", [])
+    assert (sensor["use"], sensor["conditions"]) == ("at the calibration", [])
 
 
 def test_limits_of_a_mission_and_of_triads_stand_in_one_table(files, tmp_path):

@@ -434,7 +434,7 @@ def test_the_same_noise_is_not_taken_twice(gyro):
         gyro(BOTH + "60 deg/h")
     (issue,) = caught.value.issues
     assert issue.field == "gyro.errors.sample_noise"
-    for words in ("would count twice", "Remove one", "adds_to: angle_random_walk"):
+    for words in ("would be counted twice", "Remove one", "adds_to: angle_random_walk"):
         assert words in issue.message
 
 
@@ -497,8 +497,8 @@ def test_the_second_way_to_give_one_noise_is_no_gap(gyro, noise, other):
                 "axes: {x: {value: 1 deg/h}}}"
             ),
             (
-                "gyro.bias_repeatability.x: meaning of the line not taken, the axis is "
-                "a mapping of its own"
+                "gyro.bias_repeatability.x: meaning of the specification not taken, "
+                "the axis is a mapping of its own"
             ),
         ),
     ],

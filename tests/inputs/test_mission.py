@@ -441,7 +441,7 @@ SEEN = {**STAND, "aiding": "gnss"}
                 "segments": [SEEN],
             },
             "filter.believes.gyro.angle_walk",
-            "no line",
+            "no specification",
         ),
         (
             {

@@ -103,7 +103,7 @@ def test_a_course_is_a_temperature_that_is_stated():
     """With all that it acts by the verdict has no condition, and says the course."""
     found = standing("0.5 deg/h/degC")
     assert (found.verdict, found.conditions) == ("meets", ())
-    warming = "warming up by 20 degC to the temperature of the test"
+    warming = "warming up by 20 degC to the temperature of the calibration"
     assert_says(found.use, f"{warming} (time constant 5 min)")
     assert_says(found.use, "1 g to 2 g rms of vibration")
     assert not any("temperature" in str(one.line) for one in found.cautions)

@@ -16,7 +16,7 @@ from budget.methods.gum import propagate
 from budget.model.sources import lines_of
 from budget.names import DERIVED, IMU, Name
 from budget.report.allocation.page import allocation_answer, allocation_section
-from budget.report.analysis.verdict import rank_contributions
+from budget.report.analysis.verdict import answer_rows
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.figures import pareto_title
 from budget.report.comparison.tables import rankings
@@ -284,7 +284,9 @@ def test_what_the_page_computes_with_is_marked():
         cells = [row[1].text for row in data.groups[0].rows]
         assert bool(density.lacks) == marked
         assert any(text.startswith(AT_LEAST) for text in cells) == marked
-        assert ("lines are missing" in density_title(density, coverage=0.95)) == marked
+        assert (
+            "specifications are not given" in density_title(density, coverage=0.95)
+        ) == marked
 
 
 def bound_names(model):
@@ -328,7 +330,7 @@ def test_equal_contributions_keep_their_order():
     budget = analyze(ZHAO, validate=False)
     groups = group_tables(budget)
     titles = [
-        c.title for c in rank_contributions(groups, (ZHAO,), load_procedure(), None)
+        c.title for c in answer_rows(groups, (ZHAO,), load_procedure(), None)
     ]
     nudged = []
     for group in groups:
@@ -339,7 +341,7 @@ def test_equal_contributions_keep_their_order():
         )
         nudged.append(replace(group, sources=sources))
 
-    again = rank_contributions(nudged, (ZHAO,), load_procedure(), None)
+    again = answer_rows(nudged, (ZHAO,), load_procedure(), None)
     assert [contribution.title for contribution in again] == titles
 
 

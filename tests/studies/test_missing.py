@@ -229,7 +229,7 @@ def test_every_result_names_the_mode_and_the_lines(by_mode):
         assert f"--missing {mode}" in said
         stands = {"worst": "at the worst", "typical": "at the median"}
         how = stands.get(mode, "as predicted")
-        assert f"with missing lines {how} " in page.headline
+        assert f"with specifications not given {how} " in page.headline
         assert document["settings"]["missing"] == mode
         (one,) = [
             d

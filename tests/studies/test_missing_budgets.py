@@ -120,7 +120,7 @@ def test_the_page_says_the_probability_and_what_to_ask_for(predicted):
 
     assert document.headline.startswith("PREDICTED ")
     assert "meets with a probability of 0." in document.headline
-    assert "with missing lines as predicted" in document.headline
+    assert "with specifications not given as predicted" in document.headline
     assert "ask the maker for it first" in repr(document.cards)
     assert "conforms at the medians" in words
     assert "Conformance probability" not in words

@@ -164,7 +164,7 @@ class TestEnvironment:
         """`environment: none` exercises neither, which is said as a caution, too."""
         sensor, _ = standing_of(sheet, "none")
         assert sensor.verdict == "meets"
-        assert "in the environment of its test" in sensor.standing.after
+        assert "in the environment of the calibration" in sensor.standing.after
         assert "as the maker calibrated it" in sensor.standing.after
         assert "not exercised" in texts_of(sensor.standing)
 
@@ -222,7 +222,7 @@ class TestWhatNoSensorIs:
         ("value", "said"),
         [
             ({"value": "50 deg/h", "correlation_time": "1e-6 s"}, "acts as noise"),
-            ({"value": "1e-9 deg/h", "correlation_time": "100 s"}, "see to its unit"),
+            ({"value": "1e-9 deg/h", "correlation_time": "100 s"}, "check its unit"),
         ],
     )
     def test_a_stability_that_is_none_is_said(self, value, said):

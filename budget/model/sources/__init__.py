@@ -153,7 +153,7 @@ SOURCES = (
     Source(
         name="rate_random_walk",
         units={GYRO: "deg/h/sqrt(h)"},
-        model="random walk from the start of the test",
+        model="random walk from the start of the calibration",
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
@@ -161,7 +161,7 @@ SOURCES = (
     Source(
         name="acceleration_random_walk",
         units={ACCELEROMETER: "ug/sqrt(h)"},
-        model="random walk from the start of the test",
+        model="random walk from the start of the calibration",
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
@@ -388,7 +388,7 @@ SOURCES = (
     Source(
         name=MISSION_TEMPERATURE,
         units={ENVIRONMENT: "degC"},
-        model="temperature of a later turn-on less that of the test",
+        model="temperature of a later turn-on less that of the calibration",
         effect=TemperatureChange(),
         stays=TURN_ON,
         axes=ONE_VALUE,
@@ -403,7 +403,7 @@ SOURCES = (
             axes=ONE_VALUE,
         )
         for name, when in (
-            (TEST_VIBRATION, "during the test"),
+            (TEST_VIBRATION, "during the calibration"),
             (MISSION_VIBRATION, "at a later turn-on"),
         )
     ),

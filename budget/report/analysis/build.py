@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.inputs.records import ANGLES, AXES, UNCALIBRATED
 from budget.model.sources import STATION
-from budget.names import Name
+from budget.names import MISSION, Name
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -46,6 +46,7 @@ from budget.studies.evidence import in_doubt
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
+from budget.ties import from_largest
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -61,6 +62,9 @@ if TYPE_CHECKING:
     from budget.studies.evidence import Evidence
 
 
+SAID = "in words alone"  # an assumption without a key
+# What a mission is taken to begin with: it makes sources small that are not.
+BEFORE = (Name("alignment", owner=MISSION), Name("altitude", owner=MISSION))
 NAMES = 4  # of a sensor that are not given, on page one
 
 
@@ -174,7 +178,7 @@ def report_document(
         degrees=print_degrees,
         rows=answer_rows(budget, groups, assessment, carried),
         coverage=print_coverage(judged.settings.coverage),
-        mends=mends(rows, assessment),
+        mends=mends(evidence.what_if, rows, judged, assessment) if assessment else {},
         absent=brief,
         counting=counting,
         parted=_assumed,
@@ -244,27 +248,24 @@ def _interacts(budget: Budget, sensor: str) -> bool:
 
 
 def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
-    """Return the assumptions that an answer stands on: of sources that count in it.
+    """Return the assumptions that an answer stands on, those that move it most first.
 
-    The others stand under Inputs.
+    How a mission begins, an ideal station, sources by their largest share; the others
+    stand under Inputs.
     """
-    counts = {
-        Name(source.quantity, owner=source.owner, axis=axis)
-        for source in {
-            part.source
-            for one in own
-            for row in one.outputs
-            for part in row.contributions
-            if part.share >= SMALL_SHARE
-        }
-        for axis in ("", *AXES, *ANGLES)
+    weights: dict[str, float] = {
+        **dict.fromkeys(BEFORE, 2.0),
+        STATION: 1.5,
+        SAID: SMALL_SHARE,
     }
-    texts = dict.fromkeys(text for one in own for text in one.assumptions)
-    return tuple(
-        text
-        for text in texts
-        if not (key := _assumed(text)[0]) or key == STATION or key in counts
-    )
+    for one in own:
+        for part in (part for row in one.outputs for part in row.contributions):
+            for axis in ("", *AXES, *ANGLES) if part.share >= SMALL_SHARE else ():
+                name = Name(part.source.quantity, owner=part.source.owner, axis=axis)
+                weights[name] = max(part.share, weights.get(name, 0.0))
+    texts = list(dict.fromkeys(text for one in own for text in one.assumptions))
+    found = [weights.get(_assumed(text)[0] or SAID, 0.0) for text in texts]
+    return tuple(texts[k] for k in from_largest(found) if found[k] > 0.0)
 
 
 def _missing(own: Sequence[Budget], most: int = 0) -> tuple[str, ...]:

@@ -30,9 +30,10 @@ from budget.report.tables import (
     used_part,
 )
 from budget.report.wording import outcome_words
-from budget.results import worst_of
-from budget.studies.verdicts import FAILS
-from budget.ties import first_largest
+from budget.results import BY_LAW, worst_of
+from budget.studies.request import analysis_of
+from budget.studies.verdicts import FAILS, calibration_words
+from budget.studies.what_if import mended
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -41,8 +42,9 @@ if TYPE_CHECKING:
     from budget.report.blocks import Card, Section, Words
     from budget.report.tables import GroupTable
     from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
-    from budget.studies.what_if import SourceSteps
+    from budget.studies.what_if import SourceSteps, WhatIf
 
+LACKS = 2  # names of what a row lacks
 MOST = 2  # cautions and assumptions on page one
 # Errors of a mission that stand on page one where nothing limits it.
 AT_THE_END = (("position", PLANE), ("velocity", PLANE), ("attitude", HEADING))
@@ -135,6 +137,9 @@ class AnswerRow:
     limit: str = ""  # as the requirement has it
     used: Number | None = None  # part of the limit
     outcome: str = ""  # on which side of it, if anybody knows
+    coverage: float | None = None  # of its interval; None: as the others [1]
+    # What an error without a limit is after, where that is another calibration.
+    after: str = ""
     is_within: bool = True
 
 
@@ -169,15 +174,24 @@ def _limited(
         name = row.output.name
         of = carried if carried and name.owner == MISSION else budget
         names = [row.output.name for row in rows]
-        alike = len({largest_error(as_limited(one)).text for one in rows}) == 1
+        error = largest_error(row)
+        tied = [
+            one.output.name
+            for one in rows
+            if largest_error(
+                replace(one, output=replace(row.output, name=one.output.name))
+            ).text
+            == error.text
+        ]
         yield AnswerRow(
-            title=join_outputs(names if alike else [name]),
-            error=largest_error(row),
+            title=join_outputs(tied),
+            error=error,
             unit=row.output.unit,
             limit=row.printed_limit,
             used=used_part(row),
             is_within=row.is_within,
             outcome=outcome_words(assessment, worst_of(rows)),
+            coverage=row.coverage,
             **_made_of(of.output(name), [name, *names]),
         )
 
@@ -187,9 +201,13 @@ def _free(group: GroupTable) -> AnswerRow:
     place = group.rows.index(group.widest)
     row = group.rows[place]
     own = [one.output.name for one in group.outputs]
-    alike = len({one.expanded.text for one in group.rows}) == 1
+    tied = [
+        name
+        for name, one in zip(own, group.rows, strict=True)
+        if one.expanded.text == row.expanded.text
+    ]
     return AnswerRow(
-        title=join_outputs(own if alike else [own[place]]),
+        title=join_outputs(tied),
         error=row.expanded,
         unit=group.unit,
         **_made_of(group.outputs[place], [own[place], *own]),
@@ -210,6 +228,7 @@ def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
                 title=key_title(row.output.name),
                 error=bound_number(error, lower_bound=row.lower_bound),
                 unit=unit,
+                after=calibration_words(analysis_of(carried).procedure),
                 **_made_of(row, [row.output.name]),
             )
 
@@ -237,7 +256,7 @@ def _made_of(row: OutputBudget, outputs: Sequence[Name]) -> dict[str, Any]:
     return {
         "shares": Shares(outputs=tuple(dict.fromkeys(outputs)), parts=tuple(parts)),
         "said": print_contributions([(title, one.share) for title, one in titles]),
-        "gaps": print_gaps([row]),
+        "gaps": print_gaps([row], most=LACKS),
     }
 
 
@@ -251,27 +270,29 @@ class Mend:
 
 
 def mends(
-    rows: Sequence[SourceSteps], assessment: Assessment | None
+    model: WhatIf, rows: Sequence[SourceSteps], budget: Budget, assessment: Assessment
 ) -> dict[str, Mend]:
     """Return for sensors that fail the specification that need be improved least.
 
-    Nothing of those that no single one would make meet.
+    Nothing of those that no single one would make meet, that others stand for, or
+    whose intervals are of trials: what these become is not known here.
     """
+    filled = {one.source for one in budget.filled}
+    steps = {one.source.name: one for one in rows}
     found = {}
-    for sensor in assessment.sensors if assessment else ():
-        able = [
-            one
-            for one in rows
-            if sensor.verdict == FAILS
-            and sensor.sensor in {one.source.name.owner, MISSION}
-            and one.most
-            and one.most < 1.0
+    for sensor in assessment.sensors:
+        own = [
+            one for one in assessment.outputs if one.output.name.owner == sensor.sensor
         ]
-        if not able:
+        by_law = all(one.interval_by == BY_LAW for one in own)
+        best = (
+            mended(model, sensor.sensor) if sensor.verdict == FAILS and by_law else None
+        )
+        if best is None or best[0].name in filled or best[0].name not in steps:
             continue
-        best = able[first_largest([one.most or 0.0 for one in able])]
-        if most := largest_size(best):
+        source, factor = best
+        if most := largest_size(replace(steps[source.name], most=factor)):
             found[sensor.sensor] = Mend(
-                source=best.source.name, now=best.source.printed, most=most
+                source=source.name, now=source.printed, most=most
             )
     return found

@@ -281,8 +281,8 @@ class Filled:
             )
             raise CallError(
                 f"{self.target.title} cannot do without figures that are missing; give "
-                "the lines in the device file or with --set, let --missing put others "
-                "in their place, or choose another target\n"
+                "the specifications in the device file or with --set, let --missing "
+                "put others in their place, or choose another target\n"
                 f"{faults}"
             )
 

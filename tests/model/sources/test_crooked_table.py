@@ -184,7 +184,9 @@ def test_more_stops_than_can_be_carried_are_refused():
     station = (line("positioning", ARCSEC),)
     windows = (*everything().windows, *later(windows, 1000.0))
     plan = replace(everything(station=station), windows=windows)
-    with pytest.raises(CallError, match=r"station\.positioning: this test has 1\d\d\d"):
+    with pytest.raises(
+        CallError, match=r"station\.positioning: this calibration has 1\d\d\d"
+    ):
         calibration_problem(triads(), plan)
 
 

@@ -212,7 +212,7 @@ def test_an_age_under_another_reference_is_said(tmp_path):
     device, how = load_device(write(tmp_path)), load_procedure(age="2 years")
     found = analyze(device, procedure=how, validate=False)
     assert_says(
-        " ".join(found.warnings), "the age of 2 years counts at a later turn-on alone"
+        " ".join(found.warnings), "the age of 2 years enters only at a later turn-on"
     )
     later = analyze(device, procedure=how, reference="next_turn_on", validate=False)
     assert not [text for text in later.warnings if "age of" in text]

@@ -138,7 +138,7 @@ def test_a_flicker_says_its_low_cut_or_has_it_assumed(tmp_path):
 def test_the_bias_instability_is_read_once(tmp_path):
     """Flicker beside a stability is refused, unless it is said to be another noise."""
     stability = "bias_stability: 0.1 deg/h"
-    with pytest.raises(SpecError, match=r"flicker.*count twice"):
+    with pytest.raises(SpecError, match=r"flicker.*would be counted twice"):
         read(tmp_path, stability, "flicker: 0.1 deg/h")
     more = "flicker: {value: 0.1 deg/h, adds_to: bias_stability}"
     assert len(read(tmp_path, stability, more).gyro.lines) == 2

@@ -121,7 +121,7 @@ def test_what_does_not_matter_is_marked():
 
     assert any(source.is_spared for source in found.sources)
     for one, said in (
-        (found, "does not matter"),
+        (found, "negligible"),
         (replace(found, sources=tuple(sources)), "left as it is"),
     ):
         tables = tables_of(allocation_section(one))
@@ -263,11 +263,11 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
     }
     for cells, row in zip(cells_of(table), own, strict=True):
         said = (cells[2].text, cells[4].text)
-        assert (said == ("-", "counts nothing here")) == row.is_idle
-        assert ("counts nothing here" in cells[0].note) == row.is_idle
+        assert (said == ("-", "without effect here")) == row.is_idle
+        assert ("without effect here" in cells[0].note) == row.is_idle
         assert (cells[2].exact is None) == row.is_idle
-    assert_says(chart.title, "2 of 2 accelerometer lines", "grow")
-    assert_says(chart.alt, "counts nothing here: bias repeatability")
+    assert_says(chart.title, "2 of 2 accelerometer specifications", "grow")
+    assert_says(chart.alt, "without effect here: bias repeatability")
 
 
 def test_page_and_terminal_say_headroom_alike(as_tested, impossible):

@@ -101,7 +101,7 @@ def test_the_finding_is_what_the_station_adds_to_the_variance():
         *("gyro mounting angle yx", "mount", "own specifications"),
     )
     assert worst == "gyro.mounting_angle.yx"
-    assert text.startswith("The station takes")
+    assert text.startswith("The station contributes")
 
 
 def test_shares_of_all_parts_make_each_group_whole():
@@ -135,7 +135,7 @@ def test_what_cancels_is_said_in_words():
     said = lines(section_of(table_top()))
     removed = next(line for line in said if "180 deg repeat" in line)
     assert_says(removed, "Levelling north, azimuth", "removed")
-    assert any(line.startswith("Rate error: takes turns") for line in said)
+    assert any(line.startswith("Rate error: needs turns") for line in said)
 
 
 def test_parts_of_a_limit_add_up_in_squares():
@@ -160,7 +160,7 @@ def test_parts_of_a_limit_add_up_in_squares():
     [
         ("mount: 5 arcsec", "gyro.bias", ("less than 0.1 %",)),
         ("gravity: 3 mGal", "accelerometer.scale_factor", ("0.6 %", "by gravity;")),
-        ("azimuth: 9 arcsec", "gyro.bias", ("nothing of U",)),
+        ("azimuth: 9 arcsec", "gyro.bias", ("to U of no output",)),
     ],
 )
 def test_a_small_part_is_said_in_words(tmp_path, station, outputs, words):
@@ -214,9 +214,9 @@ def test_temperature_has_its_rows_and_a_vibration_is_known(shaky):
     ramp, vibration = table.groups[1].rows
     assert ramp[2].text.startswith("gyro bias")
     assert (vibration[1].text, vibration[1].note) == ("1 g", "known value")
-    assert "The station and the environment take" in finding(section)
+    assert "The station and the environment contribute" in finding(section)
     # No triad has the line that it acts by.
-    assert any(line.startswith("Vibration test: takes") for line in lines(section))
+    assert any(line.startswith("Vibration test: needs") for line in lines(section))
 
     felt = replace(procedure, station=(), environment=procedure.environment[1:])
     only = section_of(analyze(device, procedure=felt, validate=False))

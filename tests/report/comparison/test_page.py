@@ -212,7 +212,7 @@ def test_a_factor_is_explained_where_there_is_one():
     for times, expected in ((1e4, False), (0.5, True)):
         text = rendered(compared([paper_device(times=times)], method="gum"), 160)
 
-        assert ("it alone cannot" in text) is expected
+        assert ("by itself it cannot" in text) is expected
 
 
 def test_sorting_keeps_the_rank(comparison):
@@ -422,7 +422,7 @@ def test_the_conformance_of_the_screen_says_what_it_is(method):
         for column in table.columns
         if column.head.startswith("conformance")
     }
-    by_law = {"conformance by the normal law [%]"}
+    by_law = {"conformance by the normal distribution [%]"}
     assert heads == (by_law if method == "gum" else {"conformance [%]"})
 
 

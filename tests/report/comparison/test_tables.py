@@ -144,7 +144,7 @@ def test_a_comparison_by_the_law_claims_no_trials():
     """By gum the sentence names the law, and no trials."""
     text = computed_apart(compared([paper_device(times=0.5)], method="gum"))
 
-    assert_says(text, "law of propagation of uncertainty (JCGM 100)", "seed 0")
+    assert_says(text, "GUM propagation (JCGM 100)", "seed 0")
     assert "trials" not in text
 
 

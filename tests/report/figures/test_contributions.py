@@ -233,7 +233,7 @@ def test_waterfall_of_trials_goes_by_the_law_first(trials):
     for group, own in zip(group_tables(of), group_tables(law), strict=True):
         critical = Critical.of(group, None)
         steps = bars(waterfall_chart(critical))
-        apart = steps["trials in place of the law"]
+        apart = steps["trials in place of GUM propagation"]
         assert_allclose(apart.start, own.rows[critical.place].expanded.exact, rtol=1e-6)
         assert_allclose(apart.end, critical.row.expanded.exact, rtol=1e-12)
         grows = [bar for name, bar in steps.items() if name in step_names(group)]

@@ -396,7 +396,8 @@ def test_every_segment_has_its_tip():
     assert len(tips) == len(draw(share_chart(group)).axes[0].patches)
     (tip,) = (text for text in tips.values() if "bias z: bias stability" in text)
     assert_says(
-        tip, *("gyro bias z: bias stability 31 %", "variance", "alone u 0.034 deg/h")
+        tip,
+        *("gyro bias z: bias stability 31 %", "variance", "by itself u = 0.034 deg/h"),
     )
 
 
@@ -491,11 +492,11 @@ def test_coupling_title_names_what_reaches_farthest():
     """The finding is the largest of all that are no own spread."""
     title = coupling_chart(make_coupling(), "gyro").title
     assert_says(
-        title, "angle random walk", "farthest", "15 % of the u of the gyro bias"
+        title, "angle random walk", "cross-coupling", "15 % of the u of the gyro bias"
     )
     own = make_coupling({("bias_stability", "bias"): 1.0})
     title = coupling_chart(own, "gyro").title
-    assert_says(title, "each gyro parameter", "own spread alone")
+    assert_says(title, "each gyro parameter", "only its own spread")
 
 
 def windows_of(chart):
@@ -590,7 +591,7 @@ def test_interactions_are_named_only_where_they_can_be_seen():
     none = sobol_chart(with_indices(make_budget()), "gyro").title
 
     assert "interacts in the gyro" in title
-    assert_says(tiny, "products of gyro sources", "too little to print")
+    assert_says(tiny, "products of gyro sources", "negligible")
     assert_says(none, "no gyro source interacts", "chance")
 
 

@@ -229,7 +229,7 @@ def test_no_part_overflows(amount, text):
 @pytest.mark.parametrize(
     ("moved", "key", "note"),
     [
-        (True, "gyro.turns", " (alone moves no number)"),
+        (True, "gyro.turns", " (by itself moves no number)"),
         (False, "gyro.turns", " (moves no number)"),
         (True, "notes", " (moves no number)"),
     ],

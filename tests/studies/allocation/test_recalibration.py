@@ -115,7 +115,7 @@ def test_what_is_not_given_makes_it_sooner(found):
     """An age is an upper bound then, and none that is not reached is promised."""
     for ageing, words in (
         (100, "after 9 months at the latest"),
-        (1e-3, "nobody can tell, as lines are not given"),
+        (1e-3, "not assessed, as specifications are not given"),
     ):
         device, limits = found(ageing, 150)
         text = device.read_text(encoding="utf-8")
