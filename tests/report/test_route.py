@@ -123,7 +123,7 @@ def test_the_line_is_shown_everywhere(tmp_path):
     found = tmp_path / "m.json"
     texts = [
         call("validate", str(path)).out,
-        call("mission", "--mission", str(path), "--json", str(found)).out,
+        call("mission", "--mission", str(path), "--full", "--json", str(found)).out,
     ]
     assert all(line in " ".join(text.split()) for text in texts)
     way = json.loads(found.read_text())["mission"]["route"]

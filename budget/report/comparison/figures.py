@@ -233,6 +233,7 @@ def no_fronts(why: Mapping[str, str]) -> str:
     return said("no_fronts", why=why)
 
 
+@house_style()
 def pareto_scatter(table: Ranking, merit: str) -> Figure:
     """Draw the part of the limit against a cost; the front is joined, the rest grey.
 

@@ -71,7 +71,7 @@ def in_document(section):
         kind="allocation",
         title="test",
         facts=(),
-        headline="",
+        headline="can be met",
         summary=(),
         cards=(),
         sections=(section,),

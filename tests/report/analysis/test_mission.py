@@ -323,11 +323,11 @@ def test_page_one_is_of_the_mission_that_is_limited(verdict):
 
 
 @pytest.mark.parametrize("verdict", ["meets", "fails"])
-def test_an_error_far_below_a_mile_is_in_metres(verdict):
-    """On the card of the verdict: below a tenth of the unit of its limit."""
+def test_a_small_error_is_in_a_unit_of_its_own(verdict):
+    """Metres of a limit in miles: nobody reads 0.0005 nmi."""
     text = page_of_a_mile(verdict)
-    assert len(re.findall(r"after 1 min: [\d.]+ m of [\d.]+ nmi allowed", text)) == 1
-    assert not re.findall(r"after 1 min: [\d.e-]+ nmi of ", text)
+    assert len(re.findall(r"after 1 min: [\d.]+ m of [\d.]+ nmi allowed", text)) >= 1
+    assert not re.findall(r"after 1 min: 0\.000\d+ nmi of ", text)
 
 
 @pytest.mark.parametrize("sizes", [(0.25, 4200.0), (1500.0, 42_000.0), (0.0, 2000.0)])

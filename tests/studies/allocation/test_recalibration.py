@@ -97,7 +97,7 @@ def test_the_budget_at_that_age_is_at_its_limit(found):
 @pytest.mark.parametrize(
     ("ageing", "limit", "words"),
     [
-        (1000, 28, "a limit is passed after one day already"),
+        (1000, 28, "a limit is exceeded within one day"),
         (1e-3, 150, "no limit is reached within 30 years"),
         (100, 150, "a limit is reached after 9 months, at a coverage of 95 %"),
     ],
