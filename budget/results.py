@@ -962,6 +962,16 @@ class Budget(Shown, Documented):
                 yield {name: record.get(name) for name in self.columns}
 
     @property
+    def widening(self) -> tuple[Name, ...]:
+        """Lines not given that could widen outputs, first those that reach most."""
+        reached = self.could_widen
+        return tuple(
+            name
+            for name in sorted(reached, key=lambda one: -len(reached[one]))
+            if reached[name]
+        )
+
+    @property
     def printed_covariance(self) -> list[list[float | None]]:
         """Covariance in printed units: of a length with other outputs none is known."""
         found: list[list[float | None]] = _printed(
@@ -1450,10 +1460,16 @@ class SensorAssessment:
         return self.standing.verdict
 
     @property
+    def is_near(self) -> bool:
+        """Whether it is undecided because its interval does not tell on which side."""
+        low, high = map(settle, self.utilisation_interval)
+        return self.verdict == "undecided" and low <= 1.0 < high
+
+    @property
     def is_open_by_reading(self) -> bool:
         """Whether it is undecided because another reading of its lines fails."""
-        low, high = map(settle, self.utilisation_interval)
-        return self.verdict == "undecided" and not low <= 1.0 < high
+        is_all = self.readings is None or self.readings.passes == "all"
+        return self.verdict == "undecided" and not self.is_near and not is_all
 
 
 @written(

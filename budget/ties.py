@@ -35,6 +35,11 @@ def largest(values: Sequence[float]) -> tuple[int, ...]:
     return tuple(k for k, value in enumerate(values) if _is_equal(value, top))
 
 
+def smallest(values: Sequence[float]) -> tuple[int, ...]:
+    """Return the places of the smallest value and of all that are equal to it."""
+    return equal_to(values, values.index(min(values))) if values else ()
+
+
 def equal_to(values: Sequence[float], place: int) -> tuple[int, ...]:
     """Return the place and those of all values that are equal to the one there."""
     own = values[place]
@@ -62,6 +67,13 @@ def from_largest(values: Sequence[float]) -> tuple[int, ...]:
         found += sorted(equal)
         down = down[len(equal) :]
     return tuple(found)
+
+
+def foremost(ranked: Sequence[float], number: int) -> int:
+    """Return how many of values from the largest down are the first, ties with them."""
+    if not ranked:
+        return 0
+    return equal_to(ranked, min(number, len(ranked)) - 1)[-1] + 1
 
 
 def _is_equal(value: float, top: float) -> bool:

@@ -86,7 +86,7 @@ def decades(values: Sequence[float]) -> tuple[float, float]:
     return 10.0 ** (low - (10.0**low == min(values))), 10.0 ** max(high, low + 1)
 
 
-def parted(
+def split_at(
     section: Section, *names: str
 ) -> tuple[tuple[Block, ...], tuple[Block, ...]]:
     """Return the blocks up to the first that has one of these names, and others."""

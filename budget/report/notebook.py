@@ -58,13 +58,7 @@ from budget.report.figures.track import draw_track
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import (
-    AT_LEAST,
-    bound_number,
-    group_tables,
-    round_u,
-    round_value,
-)
+from budget.report.tables import AT_LEAST, group_tables, output_row
 from budget.report.terminal import Page, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
@@ -255,19 +249,7 @@ def _limits(budget: Budget) -> dict[Name, OutputAssessment]:
 
 def _one_output(found: OutputBudget, _: object) -> dict[str, object]:
     """Return the numbers of an output, rounded, and its unit in SI."""
-    unit = found.output.si_per_unit
-    u = found.standard_uncertainty
-    ends = {"mean": found.mean, "low": found.interval[0], "high": found.interval[1]}
-    own = {
-        name: round_value(value / unit, u / unit, resolution=found.output.resolution)
-        for name, value in ends.items()
-    }
-    number = bound_number(
-        round_u(u, found.output),
-        lower_bound=found.lower_bound,
-        unknown=found.is_unknown,
-    )
-    return {"own": {**own, "u": number.text}, "si": si_unit(found.output.unit)}
+    return {"own": output_row(found), "si": si_unit(found.output.unit)}
 
 
 def _grown(found: Curve) -> list[tuple[object, ...]]:

@@ -470,7 +470,7 @@ def _cell(node: SyntaxTreeNode, objects: Sequence[Object]) -> Cell:
         else:
             text += str(word)
     return Cell(
-        text=text.strip(),
+        text=text.rstrip() if shares is None else text.strip(),
         exact=exact,
         share=share,
         strong=strong,

@@ -38,11 +38,11 @@ from budget.report.tables import (
 )
 from budget.studies.request import given_lines
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
-from budget.ties import from_largest, settle
+from budget.ties import from_largest, settle, smallest
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from budget.names import Name
     from budget.report.blocks import Document, Section
@@ -63,8 +63,7 @@ LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section, ...]:
     """Return what stands on a terminal: the answer, in full or in brief."""
     tried = [one for one in found.stations if one.has_figures]
-    nearest = min(tried, key=lambda one: settle(one.utilisation), default=None)
-    of_all = min(found.doing, key=lambda one: settle(one.utilisation), default=nearest)
+    nearest, of_all = map(_least_used, (tried, found.doing))
     own = found.own
     shown = [own] if own else tried
     risk = float(NORMAL.probability([-found.guard * found.coverage_factor])[0])
@@ -72,7 +71,7 @@ def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section,
         "station" if full else "station_brief",
         found=found,
         nearest=nearest,
-        headed=(own or of_all) if tried else None,
+        headed=(own or (of_all or nearest)[0]) if tried else None,
         risk=PER_CENT * risk,
         most=PER_CENT * MOST_FALSE_ACCEPT,
         shown=[
@@ -84,6 +83,11 @@ def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section,
         DASH=DASH,
         DIGITS=DIGITS,
     )
+
+
+def _least_used(stations: Sequence[StationVerdict]) -> list[StationVerdict]:
+    """Return the station that uses least of its limits, with all that are equal."""
+    return [stations[k] for k in smallest([one.utilisation for one in stations])]
 
 
 def station_document(

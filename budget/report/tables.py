@@ -13,7 +13,7 @@ from budget.language import axis_title, beside, key_title, say
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.sentences import sentence
-from budget.ties import first_largest, from_largest, settle
+from budget.ties import first_largest, foremost, from_largest, settle
 from budget.units import ARCSEC, parse_quantity
 
 if TYPE_CHECKING:
@@ -488,7 +488,7 @@ def print_count(count: int) -> str:
 
 
 def print_contributions(shares: Sequence[tuple[str, float]]) -> str:
-    """Name the two largest and gather the rest; shares are of one variance."""
+    """Name the two largest, with all that are equal, and gather the rest."""
     return sentence("analysis/shares.largest", **_largest(shares)).said()
 
 
@@ -500,7 +500,8 @@ def of_the_variance(shares: Sequence[tuple[str, float]]) -> str:
 def _largest(shares: Sequence[tuple[str, float]]) -> dict[str, object]:
     """Return the two largest shares, and the rest, as they are printed."""
     ranked = [shares[k] for k in from_largest([share for _, share in shares])]
-    head = [pair for pair in ranked[:NAMED] if pair[1] >= SMALL_SHARE]
+    named = foremost([share for _, share in ranked], NAMED)
+    head = [pair for pair in ranked[:named] if pair[1] >= SMALL_SHARE]
     rest = fsum(share for _, share in ranked[len(head) :])
     return {
         "parts": [f"{title} {print_share(share)}" for title, share in head],
@@ -627,7 +628,7 @@ def _group_table(
         parameter=parameter,
         unit=outputs[0].output.unit,
         coverage=settings.coverage,
-        rows=tuple(_output_row(row) for row in outputs),
+        rows=tuple(output_row(row) for row in outputs),
         sources=tuple(
             sources[k] for k in from_largest([row.share.exact for row in sources])
         ),
@@ -636,7 +637,7 @@ def _group_table(
     )
 
 
-def _output_row(row: OutputBudget) -> OutputRow:
+def output_row(row: OutputBudget) -> OutputRow:
     """Round one output, everything to the last digit of its standard uncertainty."""
 
     def value(x: float) -> Number:

@@ -36,7 +36,7 @@ from budget.report.tables import (
     source_title,
     used_part,
 )
-from budget.ties import settle
+from budget.ties import foremost, settle
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -213,6 +213,9 @@ FILTERS: Mapping[str, Callable[..., object]] = {
         [*zip(titles, shares, strict=True)]
     ),
     "by_group": by_group,
+    "foremost": lambda parts, number: parts[
+        : foremost([one.share for one in parts], number)
+    ],
     "owned": full_title,
     "time": time_text,
     "two": round_uncertainty,

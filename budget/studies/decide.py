@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import reduce
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.documents import Documented, written
@@ -16,7 +17,7 @@ from budget.results import VERDICTS, Tabled
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
-from budget.studies.comparison.ranking import as_one
+from budget.studies.comparison.ranking import as_one, place_of
 from budget.studies.comparison.records import NUMBERED, DeviceVerdict
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
@@ -88,12 +89,15 @@ class Offer(Documented):
         return self.parts[0].power
 
     @property
+    def judged(self) -> tuple[DeviceVerdict, ...]:
+        """Its parts; () where nothing is known of one."""
+        known = tuple(one for one in self.parts if isinstance(one, DeviceVerdict))
+        return known if len(known) == len(self.parts) else ()
+
+    @property
     def worst(self) -> DeviceVerdict | None:
         """The part that uses most of its limits; None: nothing is known of one."""
-        judged = [one for one in self.parts if isinstance(one, DeviceVerdict)]
-        if len(judged) < len(self.parts):
-            return None
-        return max(judged, key=lambda one: settle(one.utilisation))
+        return max(self.judged, key=lambda one: settle(one.utilisation), default=None)
 
     @property
     def utilisation(self) -> float | None:
@@ -106,14 +110,12 @@ class Offer(Documented):
         return any(getattr(one, "lower_bound", True) for one in self.parts)
 
     @property
-    def place(self) -> tuple[int, int, float]:
-        """What it is chosen by, less is better: verdict, calibration, utilisation."""
-        used = self.utilisation
-        return (
-            VERDICTS.index(self.verdict),
-            self.order,
-            float("inf") if used is None else settle(used),
-        )
+    def place(self) -> tuple[float, ...]:
+        """What it is chosen by, less is better: verdict, calibration, as `compare`."""
+        if not self.judged:
+            return VERDICTS.index(self.verdict), self.order, 0.0, inf
+        verdict, *rest = place_of(self.judged, self.standing)
+        return verdict, self.order, *rest
 
 
 @written(

@@ -10,6 +10,7 @@ import re
 import pytest
 from command_line import call
 from places import DOCS
+from saying import assert_says
 
 SENSOR = """\
   errors:
@@ -363,3 +364,74 @@ class TestMission:
 
         assert run.code == 2
         assert "leave one out" in run.err
+
+
+TRIADS = """\
+name: {name}
+technology: MEMS
+range: {{gyro: {range} deg/s, accelerometer: 10 g}}
+gyro:
+  errors:
+    bias_repeatability: 3 deg/h
+    bias_stability: {{value: {drift} deg/h, correlation_time: 100 s}}
+    angle_random_walk: 0.1 deg/sqrt(h)
+    scale_factor_repeatability: 300 ppm
+    mounting_repeatability: 10 arcsec
+    g_sensitivity: 1 deg/h/g
+accelerometer:
+  errors:
+    bias_repeatability: 0.5 mg
+    bias_stability: {{value: 50 ug, correlation_time: 100 s}}
+    velocity_random_walk: 0.05 m/s/sqrt(h)
+    scale_factor_repeatability: 300 ppm
+    mounting_repeatability: 10 arcsec
+"""
+JOURNEY = """\
+name: minute
+environment: none
+mission:
+  latitude: 45 deg
+  segments:
+    - {straight: 20 s, speed: 20 m/s}
+    - {turn: 90 deg, rate: 36 deg/s}
+    - {straight: 40 s}
+"""
+ROAD = """\
+name: road
+environment: none
+limits: {mission: {position: {horizontal: 150 m, at: 60 s, probability: 50 %}}}
+"""
+
+
+def test_what_decides_stands_beside_the_rows_that_are_shown(folder):
+    """Of a unit that saturates in place of numbers; of conditions once for several."""
+    for name, size, drift in (
+        ("Narrow", 30, 1),
+        ("Quiet", 400, 0),
+        ("Silent", 400, 0),
+    ):
+        text = TRIADS.format(name=name, range=size, drift=drift)
+        (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    (folder / "journey.yaml").write_text(JOURNEY, encoding="utf-8")
+    (folder / "road.yaml").write_text(ROAD, encoding="utf-8")
+    files = ("Narrow.yaml", "Quiet.yaml", "Silent.yaml")
+    how = ("--requirement", "road.yaml", "--mission", "journey.yaml", *LAW)
+    pages = [
+        " ".join(call("compare", *files, *how, *more).out.split())
+        for more in ((), ("--full",))
+    ]
+    call("compare", *files, *how, "-o", "c.html")
+    page = (folder / "c.html").read_text(encoding="utf-8")
+    first = page.partition('id="figures"')[0]
+
+    for text in (*pages, first):
+        assert_says(text, "saturates: gyro z asks", "36 deg/s")
+        assert "None;" not in text
+    assert pages[0].count("meets if gyro bias stability stays below") == 1
+    assert "Quiet, Silent (mission): meets if" in pages[0]
+    assert_says(first, "Quiet, Silent (mission): meets if")
+    row = pages[0].partition("Narrow fails")[2].partition("saturates")[0]
+    assert row.split() == ["-"]
+    alone = " ".join(call("compare", "Narrow.yaml", *how).out.split())
+    assert "saturates: gyro z asks" in alone
+    assert "None;" not in alone

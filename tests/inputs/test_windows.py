@@ -280,4 +280,4 @@ def test_validate_draws_the_schedule(tmp_path):
     assert ["dwell", "with", "z", "up", "0", "300", "=" * 19] in rows
     assert rows[-1] == ["dwell", "with", "z", "up", "0", "300", "=" * 19]
     (turn,) = (line for line in run.out.splitlines() if line.startswith("turn +10"))
-    assert turn.endswith("  " + " " * 19 + "#" * 19)
+    assert turn.endswith(" " * 19 + "#" * 19)

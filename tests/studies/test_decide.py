@@ -306,7 +306,9 @@ def test_warnings_caps_and_the_rule_of_decision_stand_beside_the_choice(tmp_path
 
     for text in study.warnings:
         assert_says(found.out, *str(text).split()[:4])
-    assert_says(found.out, "each limit alone, at 95 % coverage", "140 grams", "100 g")
+    assert_says(
+        found.out, "each limit by itself, at 95 % coverage", "140 grams", "100 g"
+    )
 
 
 def test_a_test_that_age_does_not_reach_says_so():
@@ -319,3 +321,41 @@ def test_a_test_that_age_does_not_reach_says_so():
 
     assert purchase.is_aged
     assert purchase.recalibrations == ()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "gyro.scale_factor_repeatability=0 ppm",
+        "gyro.bias_stability=0 deg/h",
+        "gyro.angle_random_walk=0 deg/sqrt(h)",
+    ],
+)
+def test_a_unit_that_hides_a_specification_is_not_preferred(line):
+    """Less on what is given is no reason: the order is that of `compare`."""
+    whole = replace(load_device("hg4930#C"), name="whole")
+    hiding = replace(whole.replace(dict([line.split("=")])), name="hiding")
+    limits = {"gyro": {"bias": "300 deg/h", "scale_factor": "20000 ppm"}}
+    need = {"name": "need", "reference": "next_turn_on", "limits": limits}
+    offers = decide([hiding, whole], need).offers
+    ranked = compare([hiding, whole], need, method="gum").devices
+
+    assert {one.verdict for one in ranked} == {"meets_if"}
+    assert [one.name for one in ranked] == ["whole", "hiding"]
+    assert [one.name for one in offers] == ["whole", "hiding"]
+    assert offers[1].utilisation < offers[0].utilisation
+
+
+def test_what_both_sheets_leave_open_is_said_once():
+    """Neither triad says what vibration does: it is one use, of lines of both."""
+    limits = {"gyro": {"bias": "300 deg/h"}, "accelerometer": {"bias": "100 mg"}}
+    need = {"name": "need", "reference": "next_turn_on", "limits": limits}
+    text = " ".join(
+        on_terminal(decision_answer(decide(["hg4930#C"], need)), 80).split()
+    )
+
+    assert_says(
+        text,
+        "the effect of vibration and age",
+        "accelerometer vibration rectification not given",
+    )

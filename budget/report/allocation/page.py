@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from budget.names import MISSION, by_group
 from budget.report.allocation.figures import headroom_chart, waterfall_chart
-from budget.report.answers import Answer, parted
+from budget.report.answers import Answer, split_at
 from budget.report.blocks import Abreast, ForPages
 from budget.report.document import json_text
 from budget.report.figures.rows import chart_picture
@@ -69,7 +69,7 @@ def allocation_document(
     answer = Answer.of(section)
     owners = dict.fromkeys(row.source.owner for row in allocation.sources)
     allowed = answer.first(*(f"allocation-{owner}" for owner in owners))
-    apart = [parted(one, one.name.replace("-", "-parts-", 1)) for one in allowed]
+    apart = [split_at(one, one.name.replace("-", "-parts-", 1)) for one in allowed]
     return answer.whole(
         "allocation_page",
         provenance_section(

@@ -93,6 +93,7 @@ def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, 
     """Return the worst output of each group, and what a reader must know beside it."""
     return blocks(
         "analysis/brief",
+        effect_line=effect_line,
         budget=budget,
         assessment=budget.assessment,
         worst=[_worst(budget.assessment, group) for group in groups],

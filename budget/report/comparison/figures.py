@@ -74,7 +74,7 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
     Of those that can be judged; outputs that are alike for all of them, as equal axes
     are, are one column.
     """
-    rows = table.decided[:SHOWN]
+    rows = table.measured[:SHOWN]
     columns = _columns(rows)
     cells = Panel(
         scale=Scale(low=0.0, high=float(len(columns)), ticks=()),
@@ -124,7 +124,7 @@ def _columns(rows: Sequence[Device]) -> list[list[int]]:
 
 def map_title(table: Ranking) -> str:
     """State the finding: which output is the tightest for most devices."""
-    rows = [row for row in table.decided if not row.of.lower_bound]
+    rows = [row for row in table.measured if not row.of.lower_bound]
     tightest = Counter(row.of.worst_output.quantity for row in rows)
     return said("map_title", table=table, rows=rows, most=tightest.most_common(1))
 

@@ -28,7 +28,7 @@ from budget.report.comparison.tables import (
     tallies,
 )
 from budget.report.figures.rows import chart_picture
-from budget.report.pages import blocks, document, line, sections
+from budget.report.pages import blocks, document, line, lines, sections
 from budget.report.provenance import provenance_section
 from budget.report.readings import verdict_line
 from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
@@ -130,11 +130,14 @@ def _most_asked(found: Sequence[Request]) -> list[str]:
 
 def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
     """Return what every answer is given."""
+    beside = _beside(comparison, found)
     return {
         "comparison": comparison,
         "found": found,
         "tallies": tallies(comparison),
         "compared": len({one.place for one in comparison.entrants}),
+        "deciding": beside["deciding"],
+        "qualifying": beside["cautions"],
         "over_caps": _over_caps(comparison),
         "unknown_caps": list(_unknown_caps(comparison)),
         "reference": error_reference(comparison.settings),
@@ -173,7 +176,7 @@ def _view(
         ),
         "side_by_side": partial(side_by_side, found),
         "settled": settings_lines(settings),
-        "standing": _standing(comparison) if is_refused else (),
+        "standing": _standing(comparison, is_refused=is_refused),
         "replaced": () if is_refused else _replaced(comparison),
         "named_devices": len(names),
         "assumed": _assumed(comparison.assumptions, names),
@@ -191,20 +194,44 @@ def _together(found: Iterable[tuple[Any, str]]) -> list[tuple[Any, list[str]]]:
     return [(common, list(own)) for common, own in names.items()]
 
 
-def _standing(comparison: Comparison) -> list[tuple[Any, list[str]]]:
+def _standing(
+    comparison: Comparison, *, is_refused: bool
+) -> list[tuple[Any, list[str]]]:
     """Return what the verdicts of devices that do not fail hold if, with the devices.
 
-    Of what cannot be judged the lines to ask for stand elsewhere.
+    Of what cannot be judged the lines to ask for stand elsewhere; of what others stand
+    for, saturation alone is said here.
     """
     return _together(
         ((one.sensor, lines), one.name)
         for one in sorted(
             comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)
         )
-        if one.standing.saturates or one.verdict not in {"undecidable", "fails"}
+        if one.standing.saturates
+        or (is_refused and one.verdict not in {"undecidable", "fails"})
         for said in [deciding_lines if one.standing.saturates else standing_lines]
         if (lines := said(one.standing))
     )
+
+
+def _beside(
+    comparison: Comparison, found: Sequence[Ranking]
+) -> dict[str, list[tuple[Any, list[str]]]]:
+    """Return what decides of the best devices, and what qualifies it, with the names.
+
+    Of those that fail their row says why; one that saturates is nowhere left out.
+    """
+    best = [row.of for table in found for row in table.first(BEST)]
+    lost = [one for one in comparison.nothing_known if one.standing.saturates]
+    shown = [one for one in (*best, *lost) if one.verdict != "fails"]
+    return {
+        macro: _together(
+            ((one.sensor, text), one.name)
+            for one in shown
+            for text in lines("standing", macro, standing=one.standing)
+        )
+        for macro in ("deciding", "cautions")
+    }
 
 
 def _over_caps(comparison: Comparison) -> list[tuple[Any, list[str]]]:
@@ -276,7 +303,9 @@ def _drawn(table: Ranking) -> Iterator[Block]:
 
     A front for each cost of which there are two different amounts.
     """
-    if len(table.devices[0].outputs) > 1:  # of a single one the ranking has it
+    if (
+        table.measured and len(table.devices[0].outputs) > 1
+    ):  # of one the ranking has it
         outputs = _data("outputs", table=table, used_part=used_part)
         yield chart_picture(map_chart(table, f"map-{table.name}", outputs))
     for merit in MERITS:

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.language import say, words
+from budget.names import MISSION
 from budget.report.pages import line
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
+    DASH,
     HALF_DIGIT,
     PER_CENT,
     join_outputs,
@@ -27,7 +29,12 @@ from budget.report.tables import (
     source_title,
 )
 from budget.results import VERDICTS
-from budget.studies.comparison.records import NUMBERED, rank_number, ranks
+from budget.studies.comparison.records import (
+    NUMBERED,
+    DeviceVerdict,
+    rank_number,
+    ranks,
+)
 from budget.studies.figures_of_merit import read_amount
 from budget.ties import settle
 
@@ -38,7 +45,6 @@ if TYPE_CHECKING:
     from budget.results import Condition, Doubt, Probability
     from budget.studies.comparison.records import (
         Comparison,
-        DeviceVerdict,
         Entrant,
         MissingLines,
         Pair,
@@ -67,6 +73,7 @@ class Row:
     missing: str  # number of expected lines that are not given
     at_worst: str  # '198 fails' with the worst of the catalogue in their place
     ask: str  # 'mounting repeatability 0.11': which of them to ask for, its worth
+    saturates: str  # 'saturates: gyro z asks ...': its numbers are those of no device
     of: DeviceVerdict
 
 
@@ -90,6 +97,11 @@ class Ranking:
     def decided(self) -> tuple[Row, ...]:
         """The rows of devices that can be judged."""
         return tuple(row for row in self.rows if _is_decided(row.of))
+
+    @cached_property
+    def measured(self) -> tuple[Row, ...]:
+        """Those of them that read what they are asked for: a figure shows these."""
+        return tuple(row for row in self.decided if not row.saturates)
 
     def first(self, most: int) -> list[Row]:
         """Return the first of these; no more are written than it takes."""
@@ -185,7 +197,9 @@ def requests(comparison: Comparison) -> list[Request]:
     for one in comparison.entrants:
         if not _is_decided(one) and not one.standing.saturates:
             lines = tuple(ask.line for ask in one.standing.asks)
-            if not lines and one.missing:
+            if not isinstance(one, DeviceVerdict) and one.sensor != MISSION:
+                lines = ()  # of a sheet that gives none every one is asked for
+            elif not lines and one.missing:
                 lines = one.missing.lines
             together.setdefault((one.sensor, one.vendor, lines), []).append(one)
     found = [
@@ -258,13 +272,16 @@ def side_by_side(
 def _row(one: DeviceVerdict, rank: str) -> Row:
     """Write one row."""
     utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
-    is_open = one.rests_on_others or one.standing.saturates
+    if one.lower_bound:
+        utilisation = f"{AT_LEAST} {utilisation}"
+    beyond = one.standing.saturates
+    is_open = one.rests_on_others or beyond
     return Row(
         rank=rank,
         device=one.name,
         verdict=words(one.verdict) if one.doubt is None else print_doubt(one.doubt),
-        utilisation=f"{AT_LEAST} {utilisation}" if one.lower_bound else utilisation,
-        interval=interval if one.doubt is None else print_range(one.doubt),
+        utilisation=DASH if beyond else utilisation,
+        interval=() if beyond else print_range(one.doubt) if one.doubt else interval,
         conformance=print_conformance(one),
         worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
         limiting_source=source_title(one.remedy.source, of=one.sensor),
@@ -272,6 +289,9 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
         ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
+        saturates=line("comparison_parts", "saturates", standing=one.standing)
+        if beyond
+        else "",
         of=one,
     )
 
@@ -304,8 +324,8 @@ def print_parts(
     """Print a part of a limit in per cent, and the ends of its sampling interval.
 
     The part is printed as everywhere, the interval to the first digit of its
-    half-width, and where the law is surer than three digits tell only if the limit
-    lies in it.
+    half-width and never coarser than the part, and where the law is surer than three
+    digits tell only if the limit lies in it.
     """
     low, high = interval
     half = (high - low) / 2.0
@@ -313,7 +333,8 @@ def print_parts(
     if half <= SURE * abs(value) and not low <= 1.0 < high:
         return text, ()
     # round_value keeps two digits of an uncertainty; of ten times it, one.
-    ends = (round_value(PER_CENT * x, 10.0 * PER_CENT * half) for x in interval)
+    unsure = 10.0 * min(PER_CENT * half, abs(value))
+    ends = (round_value(PER_CENT * x, unsure) for x in interval)
     return text, tuple(ends)
 
 
@@ -427,7 +448,7 @@ def merit_points(ranking: Ranking, merit: str) -> list[tuple[Row, Amount]]:
     """Return the devices whose price, mass or power can be compared, cheapest first."""
     found = [
         (row, amount)
-        for row in ranking.decided
+        for row in ranking.measured
         if (amount := read_amount(merit, getattr(row.of, merit))) is not None
     ]
     # As the front does: amounts in other units than the first one cannot be compared.

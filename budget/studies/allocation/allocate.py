@@ -18,6 +18,7 @@ from budget.inputs import (
     load_mission,
     load_requirement,
 )
+from budget.inputs.records import JOINT
 from budget.inputs.use import in_use
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
@@ -227,6 +228,7 @@ def allocate(
         ),
         strategy=strategy,
         requirement=wanted.name,
+        is_joint=wanted.decision == JOINT,
         procedure=how.name,
         coverage=wanted.coverage,
         reference=wanted.reference,

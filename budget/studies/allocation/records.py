@@ -450,6 +450,7 @@ class Allocation(Tabled):
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
+    is_joint: bool = False  # its limits are to be kept together; each was shared out
     # Of what is allocated, by the owner of the limits; () where nothing is.
     standings: tuple[tuple[str, Standing], ...] = ()
 

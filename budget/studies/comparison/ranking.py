@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.methods.largest import Ends
+    from budget.results import Standing
 
 
 def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
@@ -29,16 +30,16 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
         lists.setdefault((row.sensor, row.procedure), []).append(row)
     ranked: list[DeviceVerdict] = []
     for rows in lists.values():
-        order = sorted(rows, key=_place)
-        # What is only known to be this or more, or rests on lines of others, beats
-        # nobody: it is on no front.
+        order = sorted(rows, key=lambda row: place_of((row,), row.standing))
+        # What is only known to be this or more, rests on lines of others, or does not
+        # read what it is asked for, beats nobody: it is on no front.
         fronts = {
             merit: front(
                 [
                     (
                         r.utilisation,
                         None
-                        if r.rests_on_others
+                        if r.rests_on_others or r.standing.saturates
                         else read_amount(merit, getattr(r, merit)),
                     )
                     for r in order
@@ -58,17 +59,32 @@ def rank(verdicts: Sequence[DeviceVerdict]) -> tuple[DeviceVerdict, ...]:
     return tuple(ranked)
 
 
-def _place(row: DeviceVerdict) -> tuple[int, float, float, float]:
-    """Return what a device is ranked by: less is better.
+def place_of(parts: Sequence[DeviceVerdict], standing: Standing) -> tuple[float, ...]:
+    """Return what a device is ranked by, of the parts it is judged by: less is better.
 
     The verdict, of predicted ones the probability, the utilisation with every missing
-    line at its ceiling, what it is on what is given: what is hidden is no better.
+    line at its ceiling, what it is on what is given. What is hidden is no better: where
+    three digits of it are equal, a bound comes after a full value, and more conditions
+    and more that is not given after fewer.
     """
-    p = 0.0 if row.doubt is None else row.doubt.probability
-    worst = row.utilisation if row.at_worst is None else row.at_worst
-    if row.verdict in {UNDECIDABLE, FAILS}:
-        worst = row.utilisation  # the smaller `>=` first
-    return VERDICTS.index(row.verdict), -p, settle(worst), settle(row.utilisation)
+    worst = settle(max(map(_at_ceilings, parts)))
+    return (
+        VERDICTS.index(standing.verdict),
+        -(_all(parts) or 0.0),
+        float(f"{worst:.2e}"),
+        any(one.lower_bound for one in parts),
+        len(standing.conditions),
+        len(standing.negligible),
+        worst,
+        settle(max(one.utilisation for one in parts)),
+    )
+
+
+def _at_ceilings(row: DeviceVerdict) -> float:
+    """Return the utilisation with every missing line at its ceiling, if it has one."""
+    if row.at_worst is None or row.verdict in {UNDECIDABLE, FAILS}:
+        return row.utilisation  # the smaller `>=` first
+    return row.at_worst
 
 
 def _ahead(row: DeviceVerdict, following: DeviceVerdict | None) -> Lead | None:
@@ -108,25 +124,17 @@ def pair_up(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, ..
     """
     whole = {(row.procedure, row.place): row for row in rows if row.sensor == IMU}
     found = [
-        as_one(
-            (gyro, other, *([shared] if gyro.place == other.place and shared else [])),
-            is_shared=is_shared,
-        )
+        _Imu(pair=as_one(parts, is_shared=is_shared), parts=parts)
         for gyro in rows
         if gyro.sensor == GYRO
         for shared in [whole.get((gyro.procedure, gyro.place))]
         for other in rows
         if other.sensor == ACCELEROMETER and other.procedure == gyro.procedure
+        for own in [[shared] if gyro.place == other.place and shared else []]
+        for parts in [(gyro, other, *own)]
     ]
-    found.sort(
-        key=lambda p: (
-            VERDICTS.index(p.verdict),
-            -(p.probability or 0.0),
-            p.lower_bound,
-            settle(p.utilisation),
-        )
-    )
-    return tuple(found)
+    found.sort(key=lambda one: one.place)
+    return tuple(one.pair for one in found)
 
 
 def rank_imus(rows: Sequence[DeviceVerdict], *, is_shared: bool) -> tuple[Pair, ...]:
@@ -162,11 +170,9 @@ class _Imu:
     parts: tuple[DeviceVerdict, ...]
 
     @property
-    def place(self) -> tuple[int, float, float, float]:
+    def place(self) -> tuple[float, ...]:
         """What it is ranked by: less is better."""
-        _, _, worst, used = zip(*map(_place, self.parts), strict=True)
-        p = self.pair.probability or 0.0
-        return VERDICTS.index(self.pair.verdict), -p, max(worst), max(used)
+        return place_of(self.parts, self.pair.standing)
 
     @property
     def ends(self) -> Ends:

@@ -85,6 +85,7 @@ def brief(found, width=80):
     ("value", "interval", "printed"),
     [
         (0.9588, (0.9515, 0.9673), ("95.9", ("95.2", "96.7"))),
+        (0.858, (0.8579, 0.9781), ("85.8", ("85.8", "97.8"))),
         (0.061592, (0.061592, 0.061592), ("6.16", ())),
         (0.025, (0.025, 0.025), ("2.50", ())),
         (0.99999, (0.99999, 0.99999), ("99.999", ())),
@@ -97,7 +98,7 @@ def brief(found, width=80):
     ],
 )
 def test_parts_of_a_limit(value, interval, printed):
-    """To the first digit of the sampling, or three; 100 only where it is met."""
+    """To the digit of the part, or the first of the sampling; 100 only where met."""
     assert print_parts(value, interval) == printed
 
 
