@@ -250,6 +250,9 @@ def contributions(moments: Sequence[AtTime]) -> dict[str, object]:
             (source, list(own))
             for source, own in groupby(leaders, lambda one: one.source)
         ],
+        "latest": [
+            sources[k] for k in from_largest([one.shares[-1] for one in sources])
+        ],
         "major": [one for one in sources if max(one.shares) >= SMALL_SHARE],
         "minor": [one for one in sources if 0.0 < max(one.shares) < SMALL_SHARE],
     }
@@ -284,6 +287,7 @@ def limits_blocks(
         usual=usual,
         rows=[(row, as_limited(row)) for row in rows],
         worst=worst,
+        at_medians=assessment.chance is not None,
         largest_error=largest_error,
         used_part=used_part,
         outcome=lambda row: outcome_words(assessment, row),

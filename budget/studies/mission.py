@@ -63,6 +63,8 @@ class Curve(Shown):
         What those may be: radii and standard uncertainties are over that.
     measured : tuple of (float, float)
         Begins and ends of when any aid is there [s].
+    lower_bounds : frozenset of (str, str)
+        Quantities and axes of errors that are this or more: a specification lacks.
     """
 
     times: tuple[float, ...]
@@ -70,6 +72,7 @@ class Curve(Shown):
     covariance: Array
     mixture: Mixture | None = None
     measured: tuple[tuple[float, float], ...] = ()
+    lower_bounds: frozenset[tuple[str, str]] = frozenset()
 
     def standard_uncertainty(self, quantity: str, axis: str) -> Array:
         """Return that of one error at all times, shape (n_times,) [SI]."""
@@ -237,6 +240,11 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         covariance=np.concatenate(found, axis=1),
         mixture=Mixture.of(analysis),
         measured=mission.measured,
+        lower_bounds=frozenset(
+            (name.quantity, name.axis)
+            for name, lacks in analysis.lacks.items()
+            if lacks
+        ),
     )
 
 

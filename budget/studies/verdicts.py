@@ -399,7 +399,6 @@ def lacking_in_test(case: Case) -> tuple[Name, ...]:
 
 def unjudged(case: Case) -> Standing:
     """Return how a case stands before anything is computed: what it lacks decides."""
-    stated = stated_of(case.procedure) if case.is_later else {}
     requirement = case.requirement
     return Standing(
         verdict=UNDECIDABLE,
@@ -419,18 +418,7 @@ def unjudged(case: Case) -> Standing:
         cautions=cautions_of(case),
         calibration=calibration_words(case.procedure),
         station=station_words(case.procedure),
-        use=sentence(
-            "conditions.use",
-            is_later=case.is_later,
-            stated=tuple(stated),
-            is_all=set(STATED) <= stated.keys(),
-            acting=[
-                (key, line.printed, line.course if is_fading else None)
-                for key, line in stated.items()
-                if line.u.any()
-                for is_fading in [isinstance(line.course, Fading)]
-            ],
-        ),
+        use=use_words(case.procedure, is_later=case.is_later),
         mission="" if case.mission is None else case.mission.name,
         decision=sentence(
             "conditions.decision",
@@ -1453,6 +1441,26 @@ def calibration_words(procedure: Procedure) -> str:
         formulas=procedure.formulas,
         name=procedure.name,
         station=station_words(procedure),
+    )
+
+
+def use_words(procedure: Procedure, *, is_later: bool) -> str:
+    """Say in what environment and at what age a unit is used, as far as it is stated.
+
+    `is_later`: at a later turn-on.
+    """
+    stated = stated_of(procedure) if is_later else {}
+    return sentence(
+        "conditions.use",
+        is_later=is_later,
+        stated=tuple(stated),
+        is_all=set(STATED) <= stated.keys(),
+        acting=[
+            (key, line.printed, line.course if is_fading else None)
+            for key, line in stated.items()
+            if line.u.any()
+            for is_fading in [isinstance(line.course, Fading)]
+        ],
     )
 
 

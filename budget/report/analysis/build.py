@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.inputs.records import ANGLES, AXES, UNCALIBRATED
-from budget.model.sources import STATION
-from budget.names import MISSION, Name
+from budget.inputs.records import UNCALIBRATED
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -40,13 +37,12 @@ from budget.report.inputs import (
 )
 from budget.report.pages import document, line
 from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.tables import SMALL_SHARE, group_tables, print_coverage
-from budget.report.wording import not_given_gathered, parted
+from budget.report.standing import NAMES, counting, keyed, missing
+from budget.report.tables import group_tables, print_coverage
 from budget.studies.evidence import in_doubt
 from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
-from budget.ties import from_largest
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -60,12 +56,6 @@ if TYPE_CHECKING:
     from budget.studies.allocation.records import Allocation
     from budget.studies.comparison.records import Comparison
     from budget.studies.evidence import Evidence
-
-
-SAID = "in words alone"  # an assumption without a key
-# What a mission is taken to begin with: it makes sources small that are not.
-BEFORE = (Name("alignment", owner=MISSION), Name("altitude", owner=MISSION))
-NAMES = 4  # of a sensor that are not given, on page one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +115,7 @@ def report_document(
     judged = judged_by(budget, carried)
     budgets = [budget, *([carried] if carried else [])]
     own = procedure if judged is budget else analysis_of(judged).procedure
-    counting, brief = _counting(budgets), _missing(budgets, NAMES)
+    assumed, brief = counting(budgets), missing(budgets, NAMES)
     made = {
         "filled": filled_sections(budget),
         "limits": assessment and limits_section(budget, assessment, full=full),
@@ -134,11 +124,9 @@ def report_document(
         "inputs": inputs_section(
             devices,
             procedure,
-            absent=() if (whole := _missing(budgets)) == brief else whole,
-            assumed=[
-                text for text in budget.assumptions if text not in counting[:MOST]
-            ],
-            parted=_assumed,
+            absent=() if (whole := missing(budgets)) == brief else whole,
+            assumed=[text for text in budget.assumptions if text not in assumed[:MOST]],
+            parted=keyed,
             full=full,
         ),
         "procedure": procedure_section(procedure, sensors, full=full),
@@ -180,8 +168,8 @@ def report_document(
         coverage=print_coverage(judged.settings.coverage),
         mends=mends(evidence.what_if, rows, judged, assessment) if assessment else {},
         absent=brief,
-        counting=counting,
-        parted=_assumed,
+        counting=assumed,
+        parted=keyed,
         MOST=MOST,
         cautioned=assessment.sensors if assessment else (),
         growth=next((one.growth for one in extras if one.growth is not None), None),
@@ -245,44 +233,6 @@ def _interacts(budget: Budget, sensor: str) -> bool:
         if row.sensor == sensor
         for part in row.contributions
     )
-
-
-def _counting(own: Sequence[Budget]) -> tuple[str, ...]:
-    """Return the assumptions that an answer stands on, those that move it most first.
-
-    How a mission begins, an ideal station, sources by their largest share; the others
-    stand under Inputs.
-    """
-    weights: dict[str, float] = {
-        **dict.fromkeys(BEFORE, 2.0),
-        STATION: 1.5,
-        SAID: SMALL_SHARE,
-    }
-    for one in own:
-        for part in (part for row in one.outputs for part in row.contributions):
-            for axis in ("", *AXES, *ANGLES) if part.share >= SMALL_SHARE else ():
-                name = Name(part.source.quantity, owner=part.source.owner, axis=axis)
-                weights[name] = max(part.share, weights.get(name, 0.0))
-    texts = list(dict.fromkeys(text for one in own for text in one.assumptions))
-    found = [weights.get(_assumed(text)[0] or SAID, 0.0) for text in texts]
-    return tuple(texts[k] for k in from_largest(found) if found[k] > 0.0)
-
-
-def _missing(own: Sequence[Budget], most: int = 0) -> tuple[str, ...]:
-    """Say what is not given, and what it could change on one budget or the other."""
-    reach = {
-        name: tuple(output for one in own for output in one.could_widen.get(name, ()))
-        for name in dict.fromkeys(name for one in own for name in one.could_widen)
-    }
-    is_later = any(one.settings.reference == "next_turn_on" for one in own)
-    return not_given_gathered(reach, is_later=is_later, most=most)
-
-
-def _assumed(text: str) -> tuple[str, str]:
-    """Return the key that an assumption begins with, '' without one, and the rest."""
-    key, assumed = parted(text)
-    is_key = re.fullmatch(r"[a-z_.]+", key) is not None
-    return (key, assumed) if is_key and assumed else ("", text)
 
 
 def _drawn(charts: Iterable[Chart | None]) -> list[Picture]:

@@ -32,12 +32,18 @@ from budget.report.mission import (
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
-from budget.report.tables import full_title, of_the_variance, print_coverage
+from budget.report.standing import NAMES, counting, keyed, missing
+from budget.report.tables import (
+    SMALL_SHARE,
+    full_title,
+    of_the_variance,
+    print_coverage,
+)
 from budget.report.wording import capital, deciding_lines, standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
 from budget.studies.request import SHARED, analysis_of
-from budget.studies.verdicts import calibration_words
+from budget.studies.verdicts import calibration_words, use_words
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -48,6 +54,10 @@ if TYPE_CHECKING:
     from budget.studies.mission import Curve
 
 COMMAND = "budget mission"
+# Sections on a terminal that page one, cautions and inputs of a page have.
+ON_PAGE_ONE = {"not-given", "assumptions", "warnings"}
+MOST = 4  # cautions and assumptions on page one
+ASSUMED = 3  # assumptions of an answer in brief
 SPANS = 3  # of an aid, which are shown
 NOT_LEARNT = 0.9  # of what was there before, from which on it is not learnt [1]
 
@@ -95,9 +105,9 @@ def mission_document(
 ) -> Document:
     """Put a mission into one document: the finding, errors, what they rest on."""
     analysis, assessment = analysis_of(budget), budget.assessment
-    (section,) = _page("mission", budget, Abreast(blocks=()))
-    on_top = [*mission_card(budget).lines]
-    below = [one for one in section.blocks if getattr(one, "words", 0) not in on_top]
+    (section,) = _page("mission", budget, Abreast(blocks=()), assessment is None)
+    rests = _rests(budget)
+    whole, brief = missing([budget]), missing([budget], NAMES)
     found = document(
         "mission_page",
         **_view(budget),
@@ -106,12 +116,24 @@ def mission_document(
         rows=answer_rows(budget, (), assessment, budget),
         coverage=print_coverage(budget.settings.coverage),
         pictures=mission_figures(budget),
-        below=below,
-        rest=[one for one in rest_sections(budget) if one.blocks],
+        below=section.blocks,
+        absent=brief,
+        MOST=MOST,
+        rest=[
+            one
+            for one in rest_sections(budget)
+            if one.blocks and one.name not in ON_PAGE_ONE
+        ],
     )
     return found.whole(
         "mission",
-        inputs_section(analysis.devices, analysis.procedure),
+        inputs_section(
+            analysis.devices,
+            analysis.procedure,
+            absent=() if whole == brief else whole,
+            assumed=[one for one in budget.assumptions if one not in rests[:MOST]],
+            parted=keyed,
+        ),
         provenance_section(
             budget.inputs,
             budget.settings,
@@ -155,9 +177,25 @@ def mission_card(budget: Budget) -> Card:
     return Card(title=section.title, lines=tuple(lines))
 
 
-def _page(page: str, budget: Budget, drawn: Block | None = None) -> tuple[Section, ...]:
-    """Return a page of a mission."""
-    return sections(page, drawn=drawn, **_view(budget))
+def _page(
+    page: str,
+    budget: Budget,
+    drawn: Block | None = None,
+    is_said: bool = False,  # noqa: FBT001, FBT002 - of one caller
+) -> tuple[Section, ...]:
+    """Return a page of a mission, without its finding where that `is_said` already."""
+    return sections(page, drawn=drawn, is_said=is_said, **_view(budget))
+
+
+def _rests(budget: Budget) -> tuple[str, ...]:
+    """Return what the errors rest on: its environment, assumptions that count.
+
+    Without those that a section of their own has: what stands for what is not given.
+    """
+    use = use_words(analysis_of(budget).procedure, is_later=True)
+    filled = {one.source for one in budget.filled}
+    own = (one for one in counting([budget]) if keyed(one)[0] not in filled)
+    return (*(() if budget.assessment else (use,)), *own)
 
 
 def _view(budget: Budget) -> dict[str, object]:
@@ -180,6 +218,10 @@ def _view(budget: Budget) -> dict[str, object]:
         "rate": rate_per_hour(moments),
         "is_predicted": any(x.interval_by == BY_PREDICTION for x in budget.outputs),
         "lacks": lacking(budget),
+        "rests": _rests(budget),
+        "parted": keyed,
+        "ASSUMED": ASSUMED,
+        "SMALL_SHARE": SMALL_SHARE,
         "bought": bought(budget, moments),
         "tested": len(budget.bought) > len(UNCALIBRATED),
         "because": because,

@@ -4,15 +4,17 @@ Of every line it is that of the model's own process: sigma^2(tau) is half the ex
 square of the difference of two averages over tau, one right after the other (IEEE Std
 952-2020, annex C). So N^2/tau of white noise, K^2 tau/3 of a random walk, 3 Q^2/tau^2
 of rounding with Q^2 = q^2/12, about (2 ln 2/pi) B^2 of flicker; and that of a
-first-order Gauss-Markov process, which IEEE 952 has as correlated noise.
+first-order Gauss-Markov process, which IEEE 952 has as correlated noise. It is no
+standard deviation of an average but of white noise: what is slower than the window
+shifts both averages alike. That of an average beside it is what a budget counts.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from functools import partial
-from math import ceil, floor, log10
+from math import ceil, floor, log10, sqrt
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,23 +61,30 @@ if TYPE_CHECKING:
     from budget.report.blocks import Picture
 
 READ_IN = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
-ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 30.0, 160.0, 34.0, 52.0, 112.0  # [pt]
+ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 42.0, 160.0, 34.0, 52.0, 112.0  # [pt]
 PER_DECADE = 12  # averaging times
 LONGER, SLOWER = 10.0, 3.0  # than windows, than correlation times: end of the axis [1]
 MOST_TIME = 1e6  # [s]
 BELOW_SUM = 30.0  # of the vertical axis, from the least of the sum down [1]
 MARKS = 3  # windows of different lengths at the most
 APART = 1.05  # of windows of different lengths [1]
+SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
 said = partial(line, "figures_allan")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Mark:
-    """Windows of one length, and what the noise of their averages is."""
+    """Windows of one length: the Allan deviation over it, and u of their averages."""
 
     length: float  # [s]
     windows: int
     sigma: float  # Allan deviation over that length [SI]
+    parts: dict[Name, float]  # variance of the last one's average, by line [SI squared]
+
+    @property
+    def average(self) -> float:
+        """Standard uncertainty of the last one's average by this noise [SI]."""
+        return sqrt(sum(self.parts.values()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,11 +110,11 @@ class Allan:
             for one in sensor.lines
             if one.correlation_time is not None
         ]
-        last = max([LONGER * length for length, _ in windows] + [1e3])
+        last = max([LONGER * own[-1].length for own in windows] + [1e3])
         last = min(max([last, *(SLOWER * tau for tau in slow)]), MOST_TIME)
         decades = floor(log10(1.0 / procedure.sample_rate)), ceil(log10(last))
         times = np.logspace(*decades, PER_DECADE * (decades[1] - decades[0]) + 1)
-        at = windows[0][0] if windows else 1.0
+        at = windows[0][-1].length if windows else 1.0
         whole = [
             sum(float(allan_variance(one, [at])[0]) for one in axis.values())
             for axis in found
@@ -122,15 +131,20 @@ class Allan:
             },
             marks=tuple(
                 Mark(
-                    length=length,
-                    windows=number,
+                    length=own[-1].length,
+                    windows=len(own),
                     sigma=sum(
-                        float(allan_variance(one, [length])[0])
+                        float(allan_variance(one, [own[-1].length])[0])
                         for one in chosen.values()
                     )
                     ** 0.5,
+                    parts={
+                        name: float(one.reduce(last, np.eye(1))[0, 0])
+                        for name, one in chosen.items()
+                    },
                 )
-                for length, number in windows
+                for own in windows
+                for last in [Schedule(windows=(max(own, key=attrgetter("start")),))]
             ),
         )
 
@@ -147,18 +161,19 @@ class Allan:
 
     @property
     def top(self) -> tuple[Name, float, float, float]:
-        """What makes most: line, share of the variance, time [s], sigma of all [SI].
+        """What makes most: line, share of the variance, time [s], its root [SI].
 
-        Over the longest windows; without any, where the sum is least.
+        Of an average over the longest windows; without any, of the Allan variance where
+        that is least.
         """
         least = int(np.argmin(self.whole))
-        time = self.marks[0].length if self.marks else float(self.times[least])
-        place = int(np.argmin(np.abs(np.log(self.times / time))))
-        parts = [float(one[place]) ** 2 for one in self.deviations.values()]
-        names = [*self.deviations]
-        top = first_largest(parts)
-        sigma = self.marks[0].sigma if self.marks else float(self.whole[least])
-        return names[top], parts[top] / sum(parts), time, sigma
+        parts = {name: float(one[least]) ** 2 for name, one in self.deviations.items()}
+        time = float(self.times[least])
+        if self.marks:
+            time, parts = self.marks[0].length, self.marks[0].parts
+        top = [*parts][first_largest([*parts.values()])]
+        whole = sum(parts.values())
+        return top, parts[top] / whole, time, whole**0.5
 
 
 def allan_variance(process: Process, times: Sequence[float] | Array) -> Array:
@@ -190,22 +205,22 @@ def _processes(sensor: Sensor, sample_rate: float) -> list[dict[Name, Process]]:
     return found
 
 
-def _windows(sensor: str, procedure: Procedure) -> list[tuple[float, int]]:
-    """Return lengths of the windows of a test [s], and how many are so long.
+def _windows(sensor: str, procedure: Procedure) -> list[list[Window]]:
+    """Return the windows of a test by length, each group rising.
 
     The longest first, of many lengths those of most windows.
     """
     if procedure.formulas in UNCALIBRATED or not calibrates(sensor, procedure):
         return []
-    lengths = sorted(one.length for one in schedule_of(sensor, procedure).windows)
-    groups: list[list[float]] = []
-    for length in lengths:
-        if groups and length <= APART * groups[-1][0]:
-            groups[-1].append(length)
+    groups: list[list[Window]] = []
+    windows = schedule_of(sensor, procedure).windows
+    for one in sorted(windows, key=attrgetter("length")):
+        if groups and one.length <= APART * groups[-1][0].length:
+            groups[-1].append(one)
         else:
-            groups.append([length])
-    most = Counter({group[-1]: len(group) for group in groups}).most_common(MARKS)
-    return sorted(most, reverse=True)
+            groups.append([one])
+    most = sorted(groups, key=len, reverse=True)[:MARKS]
+    return sorted(most, key=lambda own: own[-1].length, reverse=True)
 
 
 def allan_picture(allan: Allan) -> Picture:
@@ -231,10 +246,10 @@ def allan_picture(allan: Allan) -> Picture:
             title=title,
             allan=allan,
             rows=[
-                (name, _print(one[0] / scale), _print(one[-1] / scale))
+                (name, *(round_uncertainty(float(one[k]) / scale) for k in (0, -1)))
                 for name, one in zip(names, allan.deviations.values(), strict=True)
             ],
-            marks=[(one, _print(one.sigma / scale)) for one in allan.marks],
+            scale=scale,
         ),
         caption=said("caption", allan=allan),
         data=data,
@@ -243,17 +258,19 @@ def allan_picture(allan: Allan) -> Picture:
 
 
 def allan_title(allan: Allan) -> str:
-    """State the finding: what is left of the noise in an average, and of which line."""
-    name, share, time, sigma = allan.top
+    """State the finding: u of an average by the noise, and what makes most of it."""
+    name, share, time, size = allan.top
     unit, scale = allan.unit
     return said(
         "title",
         sensor=words(allan.sensor),
-        size=f"{_print(sigma / scale)} {unit}",
+        size=f"{round_uncertainty(size / scale)} {unit}",
+        sigma=f"{round_uncertainty(allan.marks[0].sigma / scale)} {unit}"
+        if allan.marks
+        else "",
         time=time,
         source=source_title(name),
         share=share,
-        is_averaged=bool(allan.marks),
     )
 
 
@@ -272,7 +289,8 @@ def draw_allan(allan: Allan) -> Figure:
     axes.set_yscale("log")
     axes.set_xlim(allan.times[0], allan.times[-1])
     whole = allan.whole / scale
-    low, high = float(whole.min()) / BELOW_SUM, 2.0 * float(whole.max())
+    averages = [one.average / scale for one in allan.marks]
+    low, high = float(whole.min()) / BELOW_SUM, 2.0 * max(whole.max(), *averages, 0.0)
     seen = [
         float(one.min()) / scale
         for one in allan.deviations.values()
@@ -308,17 +326,26 @@ def draw_allan(allan: Allan) -> Figure:
 
 
 def _draw_marks(axes: Axes, allan: Allan, scale: float) -> None:
-    """Mark the windows of the test, and write the sigma of their averages above."""
+    """Mark sigma at the windows of the test and u of their averages; write both."""
     taken: list[tuple[float, float]] = []
     width = WIDTH - LEFT - RIGHT
     for one in allan.marks:
-        value = one.sigma / scale
         axes.axvline(one.length, color=INK, linewidth=0.8, linestyle="--")
-        axes.plot(one.length, value, marker="o", color=INK, markersize=4.5)
-        text = f"{said('window', length=one.length)}\n{_print(value)}"
-        half = max(map(text_width, text.split("\n"))) / 2.0 + 2.0
+        sizes = ((SIGMA, one.sigma, INK, 3.5), ("u", one.average, "none", 7.0))
+        text = said("window", length=one.length)
+        for name, size, inside, across in sizes:
+            axes.plot(
+                one.length,
+                size / scale,
+                marker="o",
+                markerfacecolor=inside,
+                markeredgecolor=INK,
+                markersize=across,
+            )
+            text += f"\n{name} {round_uncertainty(size / scale)}"
+        half = max(map(text_width, text.split("\n"))) / 2.0 + 1.0
         to_axes = axes.transData + axes.transAxes.inverted()
-        at = width * float(to_axes.transform((one.length, value))[0])
+        at = width * float(to_axes.transform((one.length, one.sigma / scale))[0])
         if all(at + half <= start or at - half >= end for start, end in taken):
             taken.append((at - half, at + half))
             write(
@@ -330,8 +357,3 @@ def _draw_marks(axes: Axes, allan: Allan, scale: float) -> None:
                 va="bottom",
                 coords=("data", "axes fraction"),
             )
-
-
-def _print(size: float) -> str:
-    """Print a deviation to two digits."""
-    return round_uncertainty(float(size))

@@ -23,6 +23,7 @@ from budget.report.figures.style import (
     as_picture,
     blank,
     house_style,
+    rgb,
     without_name,
 )
 from budget.report.pages import blocks, line
@@ -286,7 +287,7 @@ def _draw_cube(axes: Axes, one: Attitude) -> None:
         axes.add_patch(
             Polygon(
                 _seen(np.array(corners)),
-                facecolor=(*_rgb(GRID), 0.55),
+                facecolor=(*rgb(GRID), 0.55),
                 edgecolor=MUTED,
                 linewidth=0.8,
                 zorder=2.0,
@@ -369,13 +370,6 @@ def _draw_turn(axes: Axes, axis: Array, colour: str) -> None:
         },
         zorder=4.0,
     )
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    """Return red, green and blue of a colour [1]."""
-    from matplotlib.colors import to_rgb
-
-    return to_rgb(colour)
 
 
 def _component(one: Attitude, axis: int) -> str:

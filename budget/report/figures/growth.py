@@ -30,7 +30,14 @@ from budget.report.figures.style import (
     text_width,
 )
 from budget.report.pages import blocks, line
-from budget.report.tables import UNITS, full_title, length, round_uncertainty, unit_for
+from budget.report.tables import (
+    AT_LEAST,
+    UNITS,
+    full_title,
+    length,
+    round_uncertainty,
+    unit_for,
+)
 from budget.results import CEP, R95
 from budget.ties import first_largest, from_largest
 from budget.units import DEGREE
@@ -51,6 +58,7 @@ if TYPE_CHECKING:
 # Heights of the errors, of the strip of shares, and what is around them [pt].
 ABOVE, ERRORS, BETWEEN, STRIP, BELOW = 12.0, 140.0, 12.0, 104.0, 34.0
 LEFT, RIGHT = 64.0, 106.0  # [pt]
+MOST_DIGITS = 11  # of a time
 SHOWN = 4  # sources with an area of their own
 LEAST = 0.02  # of the variance at any time, to be one of them [1]
 REACH = 1e7  # of the vertical axis: below the largest by more nothing is seen [1]
@@ -117,12 +125,19 @@ class Growth:
         like = axis if axis in UNITS else quantity
         return unit_for(like, float(next(iter(self.sizes.values()))[-1]))
 
+    @property
+    def is_more(self) -> bool:
+        """Whether its sizes are lower bounds: a specification that reaches it lacks."""
+        return self.error in self.curve.lower_bounds
+
     def printed(self, size: float) -> str:
         """Print one of its sizes [SI], a length in the unit that it is read in."""
-        if self.error[0] == "position":
-            return length(size)
         unit, scale = self.unit
-        return f"{round_uncertainty(size / scale)} {unit}"
+        is_length = self.error[0] == "position"
+        text = (
+            length(size) if is_length else f"{round_uncertainty(size / scale)} {unit}"
+        )
+        return f"{AT_LEAST} {text}" if self.is_more else text
 
 
 def growth_pictures(
@@ -148,8 +163,9 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
         ("mission-growth", *(growth.error if growth.error != PLANE else ()))
     )
     title, tips = growth_title(growth), _tips(growth)
+    times = times_apart(curve.times)
     rows = zip(
-        map(_around, curve.times),
+        times,
         *growth.sizes.values(),
         growth.shares.T,
         strict=True,
@@ -169,12 +185,18 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
         alt=said(
             "alt",
             title=title,
-            first=_around(curve.times[0]),
+            first=times[0],
             end=curve.times[-1],
             parts=(*tips.values(), *(said("limit_said", row=row) for row in own)),
         ),
         tips=tips,
-        caption=said("caption", has_limits=bool(own), has_aids=bool(curve.measured)),
+        caption=said(
+            "caption",
+            has_limits=bool(own),
+            has_aids=bool(curve.measured),
+            is_more=growth.is_more,
+            is_predicted=curve.mixture is not None,
+        ),
         data=data,
         data_on_paper=False,
     )
@@ -217,12 +239,21 @@ def _tips(growth: Growth) -> dict[str, str]:
     return lines | areas
 
 
-def _around(time: float) -> str:
-    """Print a time of a curve to two digits."""
+def times_apart(times: Sequence[float]) -> list[str]:
+    """Print times [s] to two digits, to more where one would look like another."""
+    texts = {k: [_around(time, k) for time in times] for k in range(2, MOST_DIGITS)}
+    return [
+        next((own[k] for own in texts.values() if own.count(own[k]) == 1), time_text(t))
+        for k, t in enumerate(times)
+    ]
+
+
+def _around(time: float, digits: int) -> str:
+    """Print a time to some digits."""
     unit, size = next(
         (unit, size) for unit, size, _ in SPANS if time >= size or size == 1.0
     )
-    return f"{float(f'{time / size:.2g}'):g} {unit}"
+    return f"{float(f'{time / size:.{digits}g}'):.10g} {unit}"
 
 
 def _limits_on(

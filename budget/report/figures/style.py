@@ -364,6 +364,13 @@ def kebab(name: str) -> str:
     return name.replace("_", "-").replace(".", "-")
 
 
+def rgb(colour: str) -> tuple[float, float, float]:
+    """Return red, green and blue of a colour [1]."""
+    from matplotlib.colors import to_rgb
+
+    return to_rgb(colour)
+
+
 def in_order(sources: Iterable[Name]) -> list[Name]:
     """Sort sources as every figure does; those without a look of their own last."""
     places = {name: place for place, name in enumerate(STYLES)}

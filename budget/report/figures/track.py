@@ -12,6 +12,7 @@ import numpy as np
 from budget.calibration.mission import SEEN
 from budget.names import HORIZONTAL, time_text
 from budget.navigation.route import WEIGHTS
+from budget.report.figures.growth import PLANE
 from budget.report.figures.style import (
     INK,
     MUTED,
@@ -22,12 +23,13 @@ from budget.report.figures.style import (
     as_picture,
     blank,
     house_style,
+    rgb,
     text_width,
     without_name,
     write,
 )
 from budget.report.pages import blocks, line
-from budget.report.tables import length, print_coverage
+from budget.report.tables import DASH, length, print_coverage
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -63,10 +65,17 @@ class Ellipse:
     major: float  # half axes [m]
     minor: float
     bearing: float  # of the major one, from north to east, 0 up to pi [rad]
+    is_more: bool = False  # its axes are this or more: a specification lacks
 
     @classmethod
     def of(
-        cls, time: float, centre: Array, covariance: Array, coverage: float
+        cls,
+        time: float,
+        centre: Array,
+        covariance: Array,
+        coverage: float,
+        *,
+        is_more: bool = False,
     ) -> Ellipse:
         """Take it from a covariance north and east, shape (2, 2) [m^2].
 
@@ -82,6 +91,7 @@ class Ellipse:
             major=k * sqrt(middle + half),
             minor=k * sqrt(max(a * d - b * b, 0.0) / (middle + half or 1.0)),
             bearing=0.5 * atan2(2.0 * b, a - d) % np.pi,
+            is_more=is_more,
         )
 
     @property
@@ -128,6 +138,7 @@ class Way:
                 np.array([np.interp(time, clock, one) for one in track.T]),
                 whole[curve.times.index(time)],
                 coverage,
+                is_more=PLANE in curve.lower_bounds,
             )
             for time in times
         )
@@ -172,7 +183,12 @@ def track_picture(way: Way) -> Picture:
             f"ellipse-{k}": said("ellipse", one=one, bearing=_bearing)
             for k, one in enumerate(way.ellipses)
         },
-        caption=said("caption", times=f"{times:g}", coverage=_percent(way)),
+        caption=said(
+            "caption",
+            times=f"{times:g}",
+            coverage=_percent(way),
+            is_more=any(one.is_more for one in way.ellipses),
+        ),
         data=data,
         data_on_paper=False,
     )
@@ -220,7 +236,7 @@ def draw_track(way: Way) -> Figure:
         axes.fill(
             outline[:, 1],
             outline[:, 0],
-            facecolor=(*_rgb(VERMILION), 0.12),
+            facecolor=(*rgb(VERMILION), 0.12),
             edgecolor=VERMILION,
             linewidth=1.3,
             gid=f"ellipse-{k}",
@@ -229,13 +245,6 @@ def draw_track(way: Way) -> Figure:
     _name_ellipses(axes, way, outlines, scale)
     _draw_scale(axes, scale, _rounded(wide / scale / 4.0))
     return figure
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    """Return red, green and blue of a colour [1]."""
-    from matplotlib.colors import to_rgb
-
-    return to_rgb(colour)
 
 
 def _name_ellipses(
@@ -339,8 +348,8 @@ def _rounded(size: float) -> float:
 
 
 def _bearing(one: Ellipse) -> str:
-    """Print the direction of the long axis, from north to east, in degrees."""
-    return f"{degrees(one.bearing) % 180.0:.0f}"
+    """Print where the long axis points, from north to east, in degrees; '-': round."""
+    return DASH if one.is_round else f"{degrees(one.bearing) % 180.0:.0f}"
 
 
 def _percent(way: Way) -> str:

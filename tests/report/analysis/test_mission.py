@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from command_line import call, checked
-from document_text import find
+from document_text import find, on_terminal, say
 from figure_text import crossed_texts, cut_texts
 from numpy.testing import assert_allclose
 from places import TESTS
@@ -31,7 +31,12 @@ from budget.inputs import (
 from budget.inputs.use import in_use
 from budget.language import speaking
 from budget.names import Name, time_text
-from budget.report.analysis.mission import mission_figures, mission_section
+from budget.report.analysis.mission import (
+    mission_answer,
+    mission_document,
+    mission_figures,
+    mission_section,
+)
 from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
 from budget.report.figures.growth import (
@@ -39,8 +44,9 @@ from budget.report.figures.growth import (
     Growth,
     draw_growth,
     growth_pictures,
+    times_apart,
 )
-from budget.report.mission import by_time
+from budget.report.mission import by_time, contributions
 from budget.report.tables import unit_for
 from budget.results import Settings
 from budget.studies.analysis import analyze_as
@@ -446,3 +452,96 @@ def test_the_method_says_the_filter_where_there_is_one():
     ]
     assert_says(said[0], "K = P H' (H P H' + R)^-1", "Brown and Hwang")
     assert "Brown" not in said[1]
+
+
+SHEET = TESTS / "guard" / "inputs" / "bare.yaml"
+OUTAGE = {
+    "name": "ten minutes without satellites",
+    "mission": {
+        "latitude": "45 deg",
+        "segments": [{"straight": "600 s", "speed": "20 m/s"}],
+    },
+}
+
+
+@cache
+def bare(*, limited=False):
+    """Return the budget of a sheet that lacks much on a mission that states little."""
+    mission = load_mission(OUTAGE)
+    return analyze_as(
+        Settings(reference="next_turn_on", validate=False),
+        load_device(SHEET),
+        procedure=uncalibrated("factory"),
+        requirement=load_requirement(LIMITS) if limited else None,
+        mission=mission,
+        carried_to=mission.at,
+        command="mission",
+    )
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_page_one_says_what_it_rests_on_and_the_finding_stands_once(limited):
+    """Judged or not: cautions, what a mission begins with, how far off it is."""
+    found = mission_document(bare(limited=limited), date="2026-01-01")
+    first = on_terminal([one for one in found.sections if one.on_first_page])
+    assert_says(first, "alignment: not given, perfect assumed")
+    assert_says(first, "altitude: not given, aided assumed")
+    assert ("Cautions" in first) == bool(bare(limited=limited).assessment)
+    said = on_terminal(found.sections) + " ".join(
+        say(words) for card in found.cards for words in card.lines
+    )
+    assert " ".join(said.split()).count("the horizontal position is off by") == 1
+
+
+def test_a_brief_answer_says_what_is_assumed():
+    """The environment that nobody stated, and how the mission begins."""
+    text = on_terminal(mission_answer(bare(), full=False))
+    assert_says(text, "Assumed", "its environment not stated", "perfect assumed")
+    assert_says(text, "aided assumed")
+
+
+def test_main_contributors_are_those_of_the_last_time():
+    """Not those with the largest share at any time."""
+    (first, *_) = contributions(by_time(bare()))["latest"]
+    assert first.shares[-1] == max(
+        one.share for one in by_time(bare())[-1].horizontal.contributions
+    )
+    assert "contributors gyro bias stability" in " ".join(
+        on_terminal(mission_answer(bare(), full=False)).split()
+    )
+
+
+def test_figures_say_that_errors_are_lower_bounds():
+    """Title, words, caption and every number of both tables; nothing where all is."""
+    for one in mission_figures(bare()):
+        for text in (one.title, one.alt, one.caption):
+            assert "\N{GREATER-THAN OR EQUAL TO}" in text
+        for row in one.data.groups[0].rows:
+            assert {cell.text[0] for cell in row[1:3]} == {
+                "\N{GREATER-THAN OR EQUAL TO}"
+            }
+    for one in mission_figures(carried()):
+        assert "\N{GREATER-THAN OR EQUAL TO}" not in one.title + one.alt + one.caption
+
+
+def test_times_of_a_table_are_told_apart():
+    """By as many digits as that takes; two elsewhere."""
+    assert times_apart([1.234, 60.0, 62.5]) == ["1.2 s", "1 min", "1.04 min"]
+    near = [600.0 + 0.5 * k for k in range(9)]
+    assert len(set(times_apart(near))) == len(near)
+
+
+def test_limits_at_the_medians_are_marked_beside_the_mixture(tmp_path):
+    """And a brief answer says how much it may use, and whom to ask for what."""
+    wanted = tmp_path / "wanted.yaml"
+    wanted.write_text(json.dumps(LIMITS).replace("1 m", "20 m"), encoding="utf-8")
+    run = call(
+        *("mission", SHEET, "--mission", "bench", "--requirement", wanted),
+        *("--missing", "predict"),
+        COLUMNS="160",
+    )
+    text = " ".join(run.out.split())
+    assert "after 1 min, at the medians" in text
+    assert_says(text, "does not conform at the medians")
+    assert_says(text, "not at their medians", "of the limit, 90 % over predicted")
+    assert_says(text, "ask the maker for it first")

@@ -14,6 +14,7 @@ from budget.inputs import load_device, load_procedure, uncalibrated
 from budget.model.noise import Flicker, GaussMarkov, Quantized, RandomWalk, White
 from budget.names import Name
 from budget.report.figures.allan import (
+    SIGMA,
     Allan,
     allan_picture,
     allan_variance,
@@ -97,14 +98,27 @@ def test_the_marks_are_the_windows_of_the_calibration():
     assert Allan.of(sensor, uncalibrated("factory")).marks == ()
 
 
+def test_of_white_noise_alone_it_is_the_noise_of_an_average():
+    """What is slower than a window shifts both averages alike, and stays in one."""
+    (long, short), gyro = of("zhao-2019").marks, Name("angle_random_walk", owner="gyro")
+    for one in (long, short):
+        white = 0.005 * DEGREE / 60.0 / sqrt(one.length)
+        assert one.parts[gyro] == pytest.approx(white**2, rel=1e-6)
+        (slow,) = (v for name, v in one.parts.items() if name != gyro)
+        assert one.average == pytest.approx(sqrt(white**2 + slow))
+        assert white < one.sigma < one.average
+
+
 def test_it_says_what_is_left_in_an_average():
     """Title, words, table and the drawn marks have the same numbers."""
     picture = allan_picture(of("zhao-2019"))
-    assert_says(picture.title, "Averaged over 5 min", "bias stability", "variance")
-    assert_says(picture.alt, "0.029 over 4 windows of 5 min", "angle random walk")
+    assert_says(picture.title, "over 5 min has u = 0.038 deg/h", "bias stability")
+    assert_says(picture.title, "Allan deviation 0.029 deg/h", "variance")
+    said = "4 windows of 5 min: Allan deviation 0.029, u of an average 0.038"
+    assert_says(picture.alt, said, "angle random walk")
     assert len(picture.data.groups[0].rows) == 7
     found = texts(draw_allan(of("zhao-2019")))
-    assert {"5 min", "0.029", "18 s", "all together"} <= set(found)
+    assert {"5 min", f"{SIGMA} 0.029", "u 0.038", "18 s", "all together"} <= set(found)
     assert any("log scale" in text for text in found)
 
 

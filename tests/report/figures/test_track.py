@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from figure_text import crossed_texts, cut_texts, texts
@@ -89,7 +91,10 @@ def test_small_errors_are_enlarged_and_it_is_said_how_much():
     small, large = way(1.0), way(1000.0)
     assert small.times > 10.0
     assert large.times == 1.0
-    assert_says(track_picture(small).caption, f"{small.times:g} times as large")
+    assert_says(
+        track_picture(small).caption,
+        f"enlarged {small.times:g} times against the track",
+    )
     assert_says(track_picture(large).caption, "to scale")
 
 
@@ -136,3 +141,13 @@ class _Nothing:
     times = ()
     covariance = np.zeros((1, 0, 9, 9))
     mixture = None
+
+
+def test_a_round_ellipse_has_no_long_axis():
+    """Its bearing is a dash; what lacks makes all of it this or more."""
+    one = ellipse(np.eye(2))
+    more = replace(way(1.0), ellipses=(replace(one, is_more=True),))
+    (row,) = track_picture(more).data.groups[0].rows
+    assert row[3].text == "-"
+    assert row[1].text == "\N{GREATER-THAN OR EQUAL TO} 2.4"
+    assert "\N{GREATER-THAN OR EQUAL TO} 2.4 m" in track_picture(more).title
