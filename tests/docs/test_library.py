@@ -405,7 +405,7 @@ def test_figures_of_a_result(judged):
     plot = judged.plot
     for figure in (
         *(plot.overview(), plot.limits(), plot.coupling("accelerometer")),
-        *(plot.tornado(), plot.waterfall("gyro.bias"), plot.correlation()),
+        *(plot.tornado(), plot.waterfall("gyro.bias")),
         *(plot.shares(), plot.positions(), plot.allan(), plot.allan("accelerometer")),
     ):
         assert figure.get_label()

@@ -256,10 +256,10 @@ def _one_side(scale: Scale, rows: Sequence[Row]) -> tuple[Side, ...]:
     return (Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),)
 
 
-SEEN = 0.01  # correlation below which nothing is drawn [1]
+SEEN = 0.2  # correlation below which nothing is drawn [1]
 CELL = 26.0  # width of a column of the map [pt]
 # Opacity by the size of a correlation [1].
-STEPS = ((0.75, 1.0), (0.5, 0.72), (0.25, 0.5), (0.1, 0.34), (SEEN, 0.18))
+STEPS = ((0.75, 1.0), (0.5, 0.72), (SEEN, 0.5))
 
 
 def correlated(budget: Budget) -> list[int]:
