@@ -37,7 +37,6 @@ FIGURES = {
     "shares": ("What the variance of each group is made of", "shares()"),
     "tornado": ("Each source alone, of the critical gyro bias", 'tornado("gyro.bias")'),
     "waterfall": ("From the sources to U", 'waterfall("gyro.bias")'),
-    "correlation": ("Correlation of the outputs", "correlation()"),
     "coupling": ("Which source reaches which parameter of the gyro", "coupling()"),
     "validation": ("GUM propagation against Monte Carlo", "validation()"),
     "density": (
