@@ -343,7 +343,10 @@ def used(procedure: Procedure, environment: str, shown: str) -> Procedure:
             "one of them"
         )
         raise refuse(shown, message)
-    has_age = any(x.name == AGE and x.u.any() for x in procedure.environment)
+    has_age = any(
+        x.name == AGE and (x.u.any() or x.source == OPTION[AGE])
+        for x in procedure.environment
+    )
     new = [line for line in lines if not (has_age and line.name == AGE)]
     return with_use(
         procedure, [replace(line, source=OPTION[ENVIRONMENT]) for line in new]

@@ -53,7 +53,9 @@ def test_a_block_of_the_page_and_a_page_of_a_section_are_overridden(own, tmp_pat
     assert " & own</p>" in html.read_text("utf-8")
 
 
-@pytest.mark.parametrize(("page", "lacks"), [("words", "mode"), ("equations", "model")])
+@pytest.mark.parametrize(
+    ("page", "lacks"), [("words", "not_given"), ("equations", "model")]
+)
 def test_a_macro_that_a_page_of_ones_own_lacks_is_told(own, tmp_path, page, lacks):
     """Whether another page or the program asks for it; nothing is written."""
     (own / "pages" / f"{page}.md.j2").write_text("{% macro x() %}{% endmacro %}")

@@ -188,8 +188,9 @@ def test_what_the_whole_of_an_allocation_has_is_what_it_names(write):
     assert_says(checked[checked.index("Everything") :], "checks by Monte Carlo")
 
 
-def test_a_prompt_marks_bounds(write):
+def test_a_prompt_marks_bounds(write, monkeypatch):
     """Parts of a limit and ends of an interval, as every page does."""
+    monkeypatch.setenv("COLUMNS", "100")
     device = write("sheet.yaml", sheet("bias_repeatability"))
     need = write("need.yaml", BENCH)
     found = budget.analyze(device, requirement=need, validate=False)

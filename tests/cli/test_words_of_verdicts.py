@@ -293,10 +293,10 @@ def test_a_requirement_of_the_unit_at_its_test_asks_for_no_use(
     text = f"name: now\nreference: {reference}\nlimits:\n  gyro: {{bias: 20 deg/h}}\n"
     path.write_text(text, encoding="utf-8")
     run = told("analyze", files["sheet"], "--requirement", path)
-    assert_says(flat(run.out), "an ideal table, at the calibration")
+    assert_says(flat(run.out), "an ideal table, as it was in the calibration")
     found = told("analyze", files["sheet"], "--requirement", path, "--json", "-")
     (sensor,) = found.document["assessment"]["sensors"]
-    assert (sensor["use"], sensor["conditions"]) == ("at the calibration", [])
+    assert (sensor["use"], sensor["conditions"]) == ("as it was in the calibration", [])
 
 
 def test_limits_of_a_mission_and_of_triads_stand_in_one_table(files, tmp_path):

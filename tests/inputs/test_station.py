@@ -9,7 +9,14 @@ from command_line import call
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError, SpecError
-from budget.inputs import load_procedure, load_station, validate
+from budget.inputs import (
+    load_calibration,
+    load_mission,
+    load_procedure,
+    load_station,
+    validate,
+)
+from budget.inputs.use import AGE, in_use
 from budget.model.windows import Timing
 from budget.units import ARCSEC
 
@@ -145,3 +152,18 @@ def test_an_age_is_given_once(tmp_path):
     for text, why in (("1 ug", "expected a time"), ("-1 s", "not negative")):
         with pytest.raises(CallError, match=f"age: .*{why}"):
             load_procedure(age=text)
+
+
+def test_an_age_of_zero_that_a_call_states_stays(tmp_path):
+    """Beside `environment none`, too: the age that a mission's file has gives way."""
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "name: m\nage: 1 year\nmission:\n  latitude: 45 deg\n  speed: 0 m/s\n"
+        "  heading: 0 deg\n  segments: [{stand: 60 s}]\n  at: [60 s]\n",
+        encoding="utf-8",
+    )
+    for environment in (None, "none"):
+        how = load_calibration("factory", age="0 s", environment=environment)
+        used = in_use(how, None, load_mission(path))
+        (age,) = (line for line in used.environment if line.name == AGE)
+        assert not age.u.any()

@@ -356,7 +356,7 @@ def test_points_are_in_line():
     [
         ("nominal", "could widen scale factors"),
         ("next_turn_on", "could widen scale factors"),
-        ("as_tested", "changes nothing"),
+        ("as_tested", "no effect"),
     ],
 )
 def test_not_given_says_what_it_could_change(reference, nonlinearity):

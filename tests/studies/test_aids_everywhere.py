@@ -179,7 +179,7 @@ def test_a_mission_that_is_aided_to_its_end_says_so_beside_its_verdict():
 def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, at):
     """A filter that is too sure, and a limit while aids are there; once each."""
     kind, words = {
-        "g4": ("filter", "it says too much"),
+        "g4": ("filter", "what it says of its own accuracy is too good"),
         "g1": ("aided", "aids and unit are judged together"),
     }[mission]
     tree = {"horizontal": "80 m", "at": at, "probability": "50 %"}

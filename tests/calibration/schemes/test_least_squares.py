@@ -294,7 +294,7 @@ def test_weighted_without_noise_is_plain():
         [replace(bare, lines=bare.lines[:1])], replace(plan, formulas="weighted")
     )
     assert "gyro" in said
-    assert "every window counts alike" in said
+    assert "every window has the same weight" in said
     assert not_weighted([bare], replace(plan, formulas="weighted")) == ()
 
 

@@ -366,7 +366,7 @@ def test_a_vibration_that_no_sensor_feels_is_said():
             origin=NOWHERE,
         )
         texts = analyze(device, procedure=how, validate=False).warnings
-        said = [text for text in texts if text.startswith("environment.vibration.test")]
+        said = [text for text in texts if text.startswith("environment vibration test")]
         assert len(said) == found
 
 
