@@ -168,7 +168,7 @@ def tornado_chart(critical: Critical) -> Chart | None:
 
 
 def waterfall_chart(critical: Critical) -> Chart | None:
-    """Show how U grows source by source, by the root of the sum of squares.
+    """Show how the square of U grows source by source: squares alone add up.
 
     From the largest down, by k and u of the law; what an interval of trials differs
     from that by is a step of its own. Then the mean error, where there is one: the
@@ -216,8 +216,8 @@ def waterfall_chart(critical: Critical) -> Chart | None:
         sides=_one_side(
             Scale(
                 low=0.0,
-                high=AIR * most,
-                lines=((limit.at, said("limit", limit=limit)),) if limit else (),
+                high=AIR * most**2,
+                lines=((limit.at**2, said("limit", limit=limit)),) if limit else (),
                 label=said("steps_axis", coverage=coverage, unit=group.unit),
             ),
             rows,
@@ -230,11 +230,19 @@ def waterfall_chart(critical: Critical) -> Chart | None:
 def _step(
     label: str, start: float, end: float, u: float, look: tuple[str, str, str]
 ) -> Row:
-    """Return what one source adds to those above it."""
+    """Return what one source adds to those above it, from U to U, drawn squared."""
     text = round_value(end, u)
     return Row(
         label=label,
-        marks=(Bar(start=start, end=end, colour=look[0], hatch=look[1], height=11.0),),
+        marks=(
+            Bar(
+                start=start**2,
+                end=end**2,
+                colour=look[0],
+                hatch=look[1],
+                height=11.0,
+            ),
+        ),
         beside=(text,),
         said=f"{label} {text}",
     )
@@ -244,7 +252,7 @@ def _total(label: str, end: float, text: str) -> Row:
     """Return what all come to."""
     return Row(
         label=label,
-        marks=(Bar(start=0.0, end=end, colour=INK, height=11.0),),
+        marks=(Bar(start=0.0, end=end**2, colour=INK, height=11.0),),
         beside=(text,),
         strong=True,
         said=f"{label} {text}",

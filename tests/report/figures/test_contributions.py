@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import sqrt
 
 import numpy as np
 import pytest
@@ -78,7 +77,7 @@ def test_tornado_is_c_u_on_both_sides():
 
 
 def test_waterfall_ends_at_u():
-    """Steps are roots of sums of squares times k; the last one ends where U does."""
+    """Steps are k u of each source squared; the last one ends where U does."""
     for group in group_tables(budget("zhao-2019")):
         critical = Critical.of(group, None)
         chart = waterfall_chart(critical)
@@ -88,12 +87,11 @@ def test_waterfall_ends_at_u():
         steps = [*bars(chart).values()]
         squares = 0.0
         for source, bar in zip(critical.sources, steps, strict=False):
-            assert_allclose(
-                bar.start, critical.row.k.exact * sqrt(squares), rtol=1e-12, atol=1e-15
-            )
+            k = critical.row.k.exact
+            assert_allclose(bar.start, k**2 * squares, rtol=1e-12, atol=1e-15)
             squares += source.cells[critical.place].u.exact ** 2
-            assert_allclose(bar.end, critical.row.k.exact * sqrt(squares), rtol=1e-12)
-        assert_allclose(steps[-1].end, critical.row.expanded.exact, rtol=1e-12)
+            assert_allclose(bar.end, k**2 * squares, rtol=1e-12)
+        assert_allclose(steps[-1].end, critical.row.expanded.exact**2, rtol=1e-12)
         assert_allclose(steps[-2].end, steps[-1].end, rtol=1e-9)
 
 
@@ -234,12 +232,13 @@ def test_waterfall_of_trials_goes_by_the_law_first(trials):
         critical = Critical.of(group, None)
         steps = bars(waterfall_chart(critical))
         apart = steps["trials in place of GUM propagation"]
-        assert_allclose(apart.start, own.rows[critical.place].expanded.exact, rtol=1e-6)
-        assert_allclose(apart.end, critical.row.expanded.exact, rtol=1e-12)
+        by_law = own.rows[critical.place].expanded.exact
+        assert_allclose(apart.start, by_law**2, rtol=1e-6)
+        assert_allclose(apart.end, critical.row.expanded.exact**2, rtol=1e-12)
         grows = [bar for name, bar in steps.items() if name in step_names(group)]
         assert all(bar.end >= bar.start for bar in grows)
         assert len(grows) >= 1
-        assert_allclose(steps["U95"].end, critical.row.expanded.exact, rtol=1e-12)
+        assert_allclose(steps["U95"].end, critical.row.expanded.exact**2, rtol=1e-12)
 
 
 def step_names(group):
