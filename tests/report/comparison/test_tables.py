@@ -82,7 +82,7 @@ def test_unknown_amounts_stand_in_terminal_page_and_document(capped):
 
 @pytest.mark.parametrize(
     ("caps", "said"),
-    [((), "the requirement sets no cap"), (CAPS[2:], "No cap is exceeded")],
+    [((), "None."), (CAPS[2:], "None; no cap on price, mass or power is exceeded")],
 )
 def test_no_cap_is_exceeded_only_where_there_is_one(caps, said):
     """Without remarks the page says whether there was a cap to keep."""
