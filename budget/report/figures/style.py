@@ -153,7 +153,7 @@ def blank(height: float, *, width: float = WIDTH) -> Figure:
     """Make a figure with nothing on it [pt]."""
     from budget.report.figures.displayed import Displayed
 
-    return Displayed(figsize=(width / INCH, height / INCH))
+    return Displayed(style=house_style, figsize=(width / INCH, height / INCH))
 
 
 def add_panel(

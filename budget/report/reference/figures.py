@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from budget.report.answers import LEAST_ROWS, decades
 from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
@@ -13,10 +13,20 @@ from budget.report.pages import line
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.report.reference.sections import Row as Moved
-
 MOST_DRAWN = 4  # references, and rows of each
 said = partial(line, "figures_check")
+
+
+class Moved(Protocol):
+    """What a figure draws of numbers that moved alike."""
+
+    @property
+    def change(self) -> str:
+        """In words."""
+
+    @property
+    def size(self) -> float:
+        """Absolute difference over what it is measured by [1]."""
 
 
 def moves_chart(moved: Sequence[tuple[str, Sequence[Moved]]]) -> Chart | None:
