@@ -41,7 +41,7 @@ ordinary regression, s^2 (1 + x0 (X'X)^-1 x0') (Seber, Lee, 5.3).
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -696,12 +696,14 @@ def figure_of(device: Device, name: Name) -> Figure:
     return _figure(device, name.owner, stand_in(name), 0.0)
 
 
+@cache
 def stand_in(name: Name) -> Source:
     """Return the line that stands for an expected one: of noises a random walk."""
     own = (one for one in stand_ins(name.owner) if one.expected == name.quantity)
     return next(own, None) or source_of(name.owner, name.quantity)
 
 
+@cache
 def stand_ins(kind: str) -> tuple[Source, ...]:
     """Return the lines that stand for all expected ones."""
     first: dict[str, Source] = {}
