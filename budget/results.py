@@ -874,8 +874,8 @@ class Budget(Shown, Documented):
     # The same mission after no calibration, the maker's, and the one it is of.
     bought: tuple[Calibrated, ...] = ()
     filter: Filtered | None = None  # of that mission, where it has one
-    # What it is of (budget.studies.request.Analysis): results know nothing of files.
-    analysis: object = field(default=None, repr=False)
+    # What it is of (budget.question.Question): results know nothing of files.
+    question: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:

@@ -20,6 +20,7 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import WEIGHTED
 from budget.inputs.specification import SIDES
 from budget.methods.gum import propagate
+from budget.missing.expected import expecting
 from budget.names import Name
 from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
 from budget.studies.judgement import (
@@ -28,7 +29,6 @@ from budget.studies.judgement import (
     required_problem,
     screen,
 )
-from budget.studies.lower_bounds import expecting
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:

@@ -24,6 +24,8 @@ FLOORS = (
     ("inputs",),
     ("results",),
     ("calibration", "methods"),
+    ("aiding", "missing"),
+    ("question",),
     ("studies",),
     ("references",),
     ("report",),

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
+    from budget.missing import Filling
     from budget.names import Name
     from budget.results import (
         Doubt,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
         Standing,
     )
     from budget.studies.judgement import Judged
-    from budget.studies.missing import Filling
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
 

@@ -13,15 +13,15 @@ from budget import views
 from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
+from budget.missing import REFUSE as REFUSE_MISSING
+from budget.missing import fill
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
+from budget.question import sensors_of
 from budget.results import InputFile, Tabled, input_files
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
-from budget.studies.missing import REFUSE as REFUSE_MISSING
-from budget.studies.missing import fill
-from budget.studies.request import sensors_of
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def export(
     rate : float, optional
         Samples in a second [Hz].
     missing : str
-        What stands for expected lines that are not given (budget.studies.missing).
+        What stands for expected lines that are not given (budget.missing).
     catalogue : sequence of Device, optional
         Where comparable devices are looked for; without it those that ship.
 

@@ -31,6 +31,7 @@ from budget.inputs import (
 from budget.inputs.use import in_use
 from budget.language import speaking
 from budget.names import Name, time_text
+from budget.question import Question
 from budget.report.analysis.mission import (
     mission_answer,
     mission_document,
@@ -51,7 +52,6 @@ from budget.report.tables import unit_for
 from budget.results import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
-from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
 
@@ -86,7 +86,7 @@ def carried(*, limited=False):
 def grown():
     """Return how its error grows."""
     times = drawn_times(load_mission("outage-60-s"), (10.0, 60.0))
-    return curve(carried().analysis, times)
+    return curve(carried().question, times)
 
 
 def table_of(budget, name):
@@ -272,11 +272,11 @@ def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     wanted, mission = load_requirement(LIMITS), load_mission("outage-60-s")
     how = in_use(load_procedure(), wanted, mission)
-    analysis = replace(
-        Analysis.of(load_device("zhao-2019"), procedure=how, requirement=wanted),
+    question = replace(
+        Question.of(load_device("zhao-2019"), procedure=how, requirement=wanted),
         mission=mission,
     )
-    outlook = what_if(analysis).evaluate({"accelerometer.bias_repeatability": 2.0})
+    outlook = what_if(question).evaluate({"accelerometer.bias_repeatability": 2.0})
     for ours, theirs in zip(
         outlook.sensors, told["assessment"]["sensors"], strict=True
     ):
@@ -398,7 +398,7 @@ def aided(unit, name):
         carried_to=mission.at,
         command="mission",
     )
-    return found, curve(found.analysis, drawn_times(mission, mission.at))
+    return found, curve(found.question, drawn_times(mission, mission.at))
 
 
 def test_a_mission_with_aids_is_drawn_to_where_they_end():
@@ -423,7 +423,7 @@ def test_a_mission_whose_aids_never_end_is_drawn_whole():
     times = drawn_times(mission, mission.at)
     assert times[0] < 2.0
     assert times[-1] == 40.0
-    request = replace(aided("tac", "g1")[0].analysis, mission=mission)
+    request = replace(aided("tac", "g1")[0].question, mission=mission)
     request = replace(request, carried_to=mission.at)
     assert len(growth_pictures(curve(request, times))) == 1
 

@@ -48,9 +48,9 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from budget.methods.execution import small_blocks
+from budget.missing.grades import FAMILIES, family
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.names import Name
-from budget.studies.grades import FAMILIES, family
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

@@ -15,9 +15,8 @@ from places import DOCS
 from scipy.special import stdtrit
 
 from budget import load_device
-from budget.names import Name
-from budget.studies import prediction
-from budget.studies.prediction import (
+from budget.missing import prediction
+from budget.missing.prediction import (
     DF_0,
     LEAST_DESIGNS,
     LEVELS,
@@ -30,6 +29,7 @@ from budget.studies.prediction import (
     predict,
     predict_figures,
 )
+from budget.names import Name
 
 WHOLE = sum(v for v, _ in LEVELS.values())
 BIAS = Name("bias_repeatability", owner="gyro")
