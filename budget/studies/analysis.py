@@ -588,7 +588,7 @@ ESTIMATORS = {
 }
 
 
-def _over_missing(question: Question, estimate: MethodEstimate) -> Estimate:
+def _over_missing(question: Question, estimate: MethodEstimate) -> MethodEstimate:
     """Return an estimate over what predicted lines may be, not at their medians.
 
     Of a mission; all others as they are. Correlations are those at the medians.
