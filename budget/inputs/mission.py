@@ -757,7 +757,7 @@ def read_mission(document: YamlFile) -> Mission:
         places = ((document.root.nearest(at), text) for at, text in messages.items())
         raise all_of(document.issue(node, text) for node, text in places)
     return Mission(
-        name=model.name or document.base_name.partition(".")[0],
+        name=model.name or document.stem,
         route=route,
         alignment=part.alignment_time.value if part.alignment_time else 0.0,
         aided=part.altitude != FREE,

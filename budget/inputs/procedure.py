@@ -474,7 +474,7 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
     gyro, accelerometer = model.gyro, model.accelerometer
     shared = (STATION, ENVIRONMENT)
     origin = Origin(file=document.base_name, sha256=document.sha256)
-    name = model.name or document.base_name.partition(".")[0]
+    name = model.name or document.stem
     named = model.station if isinstance(model.station, str) else None
     own = None if named else model.station
     here = station_of(own, model.environment, name=name, origin=origin)

@@ -224,7 +224,7 @@ def read_station(document: YamlFile) -> Station:
     return station_of(
         model.station,
         model.environment,
-        name=model.name or document.base_name.partition(".")[0],
+        name=model.name or document.stem,
         origin=Origin(file=document.base_name, sha256=document.sha256),
     )
 
