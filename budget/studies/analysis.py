@@ -96,7 +96,7 @@ SIMULATED_RUNS = 200  # where no number is asked for
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Estimate:
+class MethodEstimate:
     """What one method says of all outputs, in their order [SI]."""
 
     method: str  # 'law', 'monte-carlo' or 'simulation'
@@ -465,7 +465,7 @@ def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> N
         )
 
 
-def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEstimate:
     """Propagate, and have Monte Carlo check it.
 
     Where the law is not sure enough of an interval, it is that of the trials by which
@@ -480,7 +480,7 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
         seed=settings.seed,
         besides=() if wanted is None else wanted.outputs,
     )
-    estimate = Estimate(
+    estimate = MethodEstimate(
         method=BY_LAW,
         trials=None,
         mean=law.mean,
@@ -516,7 +516,9 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
     )
 
 
-def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_trials(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Propagate distributions by Monte Carlo."""
     problem = question.problem
     drawn = sample(
@@ -531,7 +533,7 @@ def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estima
         executor=engine.executor,
         progress=engine.stage("Monte Carlo"),
     )
-    return Estimate(
+    return MethodEstimate(
         method=BY_TRIALS,
         trials=drawn.trials,
         mean=drawn.mean,
@@ -542,7 +544,9 @@ def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estima
     )
 
 
-def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_simulation(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Simulate the calibration run after run, and take moments and intervals."""
     derive = question.derive  # what has none is refused before all that work
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
@@ -562,7 +566,7 @@ def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Es
         if progress is not None:
             progress(run + 1, runs)
     errors = derive(np.stack(columns, axis=1))
-    return Estimate(
+    return MethodEstimate(
         method="simulation",
         trials=runs,
         mean=errors.mean(axis=1),
@@ -581,7 +585,7 @@ ESTIMATORS = {
 }
 
 
-def _over_missing(question: Question, estimate: Estimate) -> Estimate:
+def _over_missing(question: Question, estimate: MethodEstimate) -> MethodEstimate:
     """Return an estimate over what predicted lines may be, not at their medians.
 
     Of a mission; all others as they are. Correlations are those at the medians.
@@ -668,7 +672,7 @@ def _most_to_validate(digits: int) -> int:
 
 def _output_budgets(
     question: Question,
-    estimate: Estimate,
+    estimate: MethodEstimate,
     *,
     indices: SobolResult | None,
     lacks: Mapping[Name, tuple[Name, ...]],
@@ -737,7 +741,7 @@ def _output_budgets(
     return tuple(budgets)
 
 
-def _radii(problem: Problem, estimate: Estimate) -> dict[Name, Radii]:
+def _radii(problem: Problem, estimate: MethodEstimate) -> dict[Name, Radii]:
     """Return CEP and R95 of the lengths among the outputs."""
     lengths = [output.name for output in problem.outputs if output.length_of]
     if not lengths:
