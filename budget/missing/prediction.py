@@ -82,7 +82,7 @@ KEPT = 1000  # fits, of devices that are predicted again and again
 
 
 @dataclass(frozen=True, kw_only=True)
-class Figure:
+class LogLine:
     """One expected line of one device, in logarithms."""
 
     groups: tuple[str, ...]  # of each level
@@ -236,7 +236,7 @@ class _Member:
             is_printed=bool(same),
         )
 
-    def figures(self, technology: str | None) -> tuple[Figure, ...]:
+    def figures(self, technology: str | None) -> tuple[LogLine, ...]:
         """Return those of its design, of that technology where its own is not known."""
         if self.is_there and technology is None:
             return ()
@@ -271,7 +271,7 @@ def _fit_all(members: Sequence[_Member], technology: str | None) -> list[Fit | N
 
 
 def predict_figures(
-    given: Sequence[Figure], wanted: dict[Name, Figure]
+    given: Sequence[LogLine], wanted: dict[Name, LogLine]
 ) -> Prediction | None:
     """Predict figures of one device from given ones; arguments as of `predict`."""
     return Fit.of(given).predict(wanted) if given else None
@@ -282,7 +282,7 @@ class Design:
 
     Attributes
     ----------
-    figures : sequence of Figure
+    figures : sequence of LogLine
         Of one design.
     number : ndarray, shape (q,)
         Of figures of each line.
@@ -294,7 +294,7 @@ class Design:
     """
 
     def __init__(
-        self, figures: Sequence[Figure], lines: Sequence[str], origin: Array
+        self, figures: Sequence[LogLine], lines: Sequence[str], origin: Array
     ) -> None:
         self.figures = figures
         Z = _same([each.line for each in figures], lines)
@@ -338,7 +338,7 @@ class Fit:
     sigma_2: float
 
     @classmethod
-    def of(cls, given: Sequence[Figure], *, near: Fit | None = None) -> Fit:
+    def of(cls, given: Sequence[LogLine], *, near: Fit | None = None) -> Fit:
         """Fit scale and weights to figures; soon, where one is `near` that of them."""
         others = Others.of(given)
         return others.fits([()], near=None if near is None else [near])[0]
@@ -349,7 +349,7 @@ class Fit:
         names = (one.name for one in self.designs)
         return dict(zip(names, self.weights.tolist(), strict=True))
 
-    def predict(self, wanted: dict[Name, Figure]) -> Prediction | None:
+    def predict(self, wanted: dict[Name, LogLine]) -> Prediction | None:
         """Predict figures of one device; None where too few designs give any of them.
 
         Of a design whose figures lie z off the mean and its technology, a new one lies
@@ -402,7 +402,7 @@ class Fit:
             ),
         )
 
-    def _witnesses(self, wanted: Figure) -> list[Figure]:
+    def _witnesses(self, wanted: LogLine) -> list[LogLine]:
         """Return who else gives a line."""
         return [
             each
@@ -426,13 +426,13 @@ class Others:
     lines: tuple[str, ...]
     origin: Array  # shape (q,) [ln SI]
     # Fits that were made, by the figures of the member and whether from near.
-    kept: dict[tuple[tuple[Figure, ...], bool], Fit] = field(default_factory=dict)
+    kept: dict[tuple[tuple[LogLine, ...], bool], Fit] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, figures: Sequence[Figure]) -> Others:
+    def of(cls, figures: Sequence[LogLine]) -> Others:
         """Sort figures by their design."""
         sizes: dict[str, list[float]] = {}
-        designs: dict[str, list[Figure]] = {}
+        designs: dict[str, list[LogLine]] = {}
         for each in figures:
             sizes.setdefault(each.line, []).append(each.log_u)
             designs.setdefault(each.groups[DESIGN], []).append(each)
@@ -446,7 +446,7 @@ class Others:
 
     def fits(
         self,
-        members: Sequence[Sequence[Figure]],
+        members: Sequence[Sequence[LogLine]],
         *,
         near: Sequence[Fit] | None = None,
     ) -> list[Fit]:
@@ -492,7 +492,7 @@ class Others:
         )
 
     def fits_alike(
-        self, members: Sequence[Sequence[Figure]], near: Sequence[Fit] | None
+        self, members: Sequence[Sequence[LogLine]], near: Sequence[Fit] | None
     ) -> list[Fit]:
         """Fit at once what is of one technology, or of none that others are of."""
         own = [Design(each, self.lines, self.origin) for each in members if each]
@@ -666,7 +666,7 @@ def _technology(q: int) -> Array:
     return np.asarray(v * (rho + (1.0 - rho) * np.eye(q)))
 
 
-def _alike(rows: Sequence[Figure], columns: Sequence[Figure]) -> Array:
+def _alike(rows: Sequence[LogLine], columns: Sequence[LogLine]) -> Array:
     """Return N of figures of one design, shape (rows, columns)."""
     same_line = _same([f.line for f in rows], [f.line for f in columns])
     return np.asarray(
@@ -679,7 +679,7 @@ def _alike(rows: Sequence[Figure], columns: Sequence[Figure]) -> Array:
     )
 
 
-def figures_of(device: Device) -> dict[Name, Figure]:
+def figures_of(device: Device) -> dict[Name, LogLine]:
     """Return the expected lines that a device gives."""
     return {
         Name(source.expected, owner=sensor.kind): _figure(
@@ -691,7 +691,7 @@ def figures_of(device: Device) -> dict[Name, Figure]:
     }
 
 
-def figure_of(device: Device, name: Name) -> Figure:
+def figure_of(device: Device, name: Name) -> LogLine:
     """Return an expected line of a device that is not given."""
     return _figure(device, name.owner, stand_in(name), 0.0)
 
@@ -713,13 +713,13 @@ def stand_ins(kind: str) -> tuple[Source, ...]:
     return tuple(first.values())
 
 
-def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
+def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
     """Return a line of a device; one of like unit is compared across sensors."""
     units = {source.like(each) for each in SENSORS}
     design = _design(device)
     quantity = source.expected or source.name
     own = f"{design}, {device.name}"
-    return Figure(
+    return LogLine(
         # Of a technology that is not told nobody knows what is like it.
         groups=(_known_family(device) or design, design, own, f"{own}, {kind}"),
         line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
@@ -745,7 +745,7 @@ def _known_family(device: Device) -> str:
     return found if found in FAMILIES else ""
 
 
-def _figures(devices: Iterable[Device]) -> list[Figure]:
+def _figures(devices: Iterable[Device]) -> list[LogLine]:
     """Return all figures that devices give."""
     return [each for one in devices for each in figures_of(one).values()]
 
