@@ -564,7 +564,7 @@ class Others:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _At:
+class _FitsAt:
     """Fits at weights of their designs, and how far off each design lies."""
 
     spread: Array  # shape (b, q) [1]
@@ -595,7 +595,7 @@ class _Sums:
         each = self.number.sum(axis=1)
         return np.asarray(DF_0 + each.sum(axis=1) - (each > 0.0).sum(axis=1))
 
-    def at(self, w: Array) -> _At:
+    def at(self, w: Array) -> _FitsAt:
         """Fit means and scale at weights, shape (b, d).
 
         With z = y/r - m - u of a design, u the effect of its technology, e = K^-1 (y -
@@ -635,7 +635,7 @@ class _Sums:
         )
         chi = (w * distance).sum(axis=1) + (effect * left).sum(axis=(1, 2))
         sigma_2 = (DF_0 + chi) / self.df
-        return _At(
+        return _FitsAt(
             spread=spread,
             mean=mean,
             spread_of_mean=spread_of_mean,
