@@ -257,10 +257,12 @@ class Explorer:
         return str(found(*(StandIn(name=f"{macro}.{x}") for x in found.arguments)))
 
     def open(self):
-        """Return a choice that was met one way alone, and how to meet the other."""
-        for (place, value), under in list(self.met.items()):
-            if (place, not value) not in self.met:
-                yield place, under | {place: not value}
+        """Return choices that were met one way alone, and how to meet the other."""
+        return {
+            place: under | {place: not value}
+            for (place, value), under in self.met.items()
+            if (place, not value) not in self.met
+        }
 
 
 @contextmanager
@@ -324,13 +326,14 @@ def explore(name, languages=LANGUAGES):
 
 def explore_one(explorer, name, macro, languages):
     """Render a page or a macro; return how many and what differs, and what is left."""
-    tried, wrong, count = set(), [], 0
+    wrong, count, seen, tried = [], 0, [], {""}
     todo = [("", {})]
     while todo and count < MOST:
-        place, chosen = todo.pop()
-        if place and (place, chosen[place]) in explorer.met:
+        place, explorer.chosen = todo.pop()
+        if place and (place in tried or place not in explorer.open()):
             continue
-        explorer.chosen, count = chosen, count + 1
+        tried.add(place)
+        count += 1
         texts = []
         for language in languages:
             with speaking(language), objects():
@@ -339,10 +342,17 @@ def explore_one(explorer, name, macro, languages):
         if macro is None:
             explorer.has_words |= bool(texts[0].strip())
         first, *others = map(lines, texts)
-        wrong += [(place, first, other) for other in others if not same(first, other)]
-        tried.add(place)
-        todo += [one for one in explorer.open() if one[0] not in tried]
-    return count, wrong, [place for place, _ in explorer.open()]
+        wrong += [(first, other) for other in others if not same(first, other)]
+        left = explorer.open()
+        # All of them at once, then one by one what another choice hides.
+        both = {one: way for under in left.values() for one, way in under.items()}
+        both |= {one: under[one] for one, under in left.items()}
+        if both in seen:
+            todo += left.items()
+        else:
+            seen.append(both)
+            todo += [*left.items(), ("", both)]
+    return count, wrong, [*explorer.open()]
 
 
 def macros(name):
