@@ -19,7 +19,6 @@ from budget.model.sources import STATION
 from budget.names import MISSION
 from budget.question import (
     Question,
-    choose_basis,
     find_sources,
     needs_test,
     question_of,
@@ -217,16 +216,13 @@ def _analyze(
     workers: int,
 ) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    basis = choose_basis(
-        requirement, coverage=given.get("coverage"), reference=given.get("reference")
-    )
     budget = analyze(
         *devices,
         procedure=procedure,
         requirement=requirement,
         validate=False,
         workers=workers,
-        **(given | vars(basis)),
+        **given,
     )
     return _snapshot(budget)
 

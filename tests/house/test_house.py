@@ -22,6 +22,7 @@ FLOORS = (
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
+    ("settings",),
     ("results",),
     ("calibration", "methods"),
     ("aiding", "missing"),
