@@ -101,7 +101,7 @@ class TemperaturePart(Ruled):
         ),
         Rule(
             "profile",
-            lambda it: len(it.profile or "  ") < 2,  # noqa: PLR2004 - of a line
+            lambda it: it.profile is not None and not it.profile[1:],
             f"names fewer points than two, expected such as {_SHOWN}",
         ),
     )

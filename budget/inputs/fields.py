@@ -31,7 +31,7 @@ from budget.inputs.tree import describe
 from budget.units import NUMBER, STANDARD_GRAVITY, Quantity, kind_of, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
     from pydantic.json_schema import JsonSchemaValue
@@ -89,6 +89,11 @@ class Rule:
     wrong: Callable[..., object]  # of a mapping alone
     says: str
 
+    @property
+    def way(self) -> tuple[str | int, ...]:
+        """The way to what it is said of."""
+        return (self.at,) if isinstance(self.at, str) else self.at
+
     def found(self, mapping: BaseModel) -> str:
         """Return what is said of a mapping that breaks it."""
         return self.says.format_map(_Printed(mapping))
@@ -112,23 +117,26 @@ class Ruled(Strict):
 
     @model_validator(mode="after")
     def _check_rules(self) -> Self:
-        found = {
-            rule.at if isinstance(rule.at, tuple) else (rule.at,): rule.found(self)
-            for rule in reversed([*self._rules()])
-            if rule.wrong(self)
-        }
-        if found := {**found, **self._faults()}:
+        broken = [rule for rule in self._rules() if rule.wrong(self)]
+        found = {rule.way: rule.found(self) for rule in broken} | self._faults()
+        if found:
             raise faults(found)
         return self
 
-    def _rules(self) -> Iterator[Rule]:
-        """Yield the rules of its type, then those of the types that it is made of."""
-        for kind in type(self).__mro__:
-            yield from vars(kind).get("rules", ())
+    def _rules(self) -> tuple[Rule, ...]:
+        """Return the rules of its type, those that count most at the end."""
+        return _rules_of(type(self))
 
-    def _faults(self) -> Mapping[Any, str]:
+    def _faults(self) -> dict[Any, str]:
         """Return what is wrong with it besides, by its path in the mapping."""
         return {}
+
+
+@cache
+def _rules_of(kind: type[Ruled]) -> tuple[Rule, ...]:
+    """Return the rules of a type before them those of the types it is made of."""
+    every = [vars(one).get("rules", ()) for one in kind.__mro__]
+    return tuple(rule for rules in every for rule in rules)[::-1]
 
 
 class Group(Ruled):
@@ -150,16 +158,16 @@ class Group(Ruled):
         own: tuple[Any, ...] | None = getattr(self, self.key)
         return (self,) if own is None else own
 
-    def _rules(self) -> Iterator[Rule]:
-        """Yield the rules of a line, where it is one."""
-        return iter(()) if self.is_group else super()._rules()
+    def _rules(self) -> tuple[Rule, ...]:
+        """Return the rules of a line, where it is one."""
+        return () if self.is_group else super()._rules()
 
-    def _faults(self) -> Mapping[Any, str]:
+    def _faults(self) -> dict[Any, str]:
         """Return what is wrong with a group."""
         if not self.is_group:
             return super()._faults()
         others = self.model_fields_set - {self.key, "repeat", *self.of_all}
-        found = {
+        found: dict[Any, str] = {
             (key,): f"stands beside a group of {self.key}; say it in its lines"
             for key in sorted(others)
         }

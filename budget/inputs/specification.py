@@ -646,6 +646,8 @@ class Open(Whole):
     def _faults(self) -> dict[tuple[str | int, ...], str]:
         """Return what is wrong with words that do not leave one thing open."""
         words, own = self.reading, [*self.by_axis.values()]
+        if not words:
+            return super()._faults()
         keys = [key for key, group in READINGS if {*words} <= {*group}]
         key = keys[0] if keys else ""
         found = f"found {', '.join(words)}, expected"
@@ -680,7 +682,7 @@ class Open(Whole):
                 "is of a value per root of hertz; this is the random walk itself",
             ),
         )
-        wrong = [text for is_wrong, text in tests if is_wrong and words]
+        wrong = [text for is_wrong, text in tests if is_wrong]
         said: dict[tuple[str | int, ...], str] = (
             {("reading",): wrong[0]} if wrong else {}
         )
@@ -850,7 +852,8 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     """
     family = _family(line, sensor)
     part = family(value=given) if isinstance(given, Quantity) else given
-    axes = [_axis(part, axis) for axis in line.axes]
+    named = line.axes if part.by_axis else line.axes[:1]
+    axes = [_axis(part, axis) for axis in named] * (len(line.axes) // len(named))
     notes = list(dict.fromkeys(text for a in axes for text in a.notes))
     key = Name(line.name, owner=sensor)
     assumptions = [
