@@ -4,22 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.derived import combination
+from budget.calibration.schemes import estimated
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
 from budget.inputs import (
     load_calibration,
     load_devices,
     load_mission,
-    load_procedure,
     load_requirement,
 )
 from budget.inputs.records import UNCALIBRATED
-from budget.inputs.use import in_use
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -31,25 +30,22 @@ from budget.methods.radius import circles
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
-from budget.missing import REFUSE, Filling, fill_all
-from budget.missing.expected import could_widen, expecting_device
+from budget.missing import REFUSE
+from budget.missing.expected import could_widen
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import (
     Question,
     after_a_turn_on,
+    asked_alone,
     check_settings,
     choose_basis,
-    choose_outputs,
-    choose_sources,
     choose_times,
-    navigating,
     not_calibrated,
     not_estimated,
     not_on_a_mission,
     not_weighted,
     question_of,
-    sensors_of,
 )
 from budget.results import (
     BY_LAW,
@@ -306,24 +302,26 @@ def analyze_as(
     for these (in its use), where that is another calibration.
     """
     engine = Engine() if engine is None else engine
-    procedure = in_use(
-        load_procedure(None) if procedure is None else procedure, requirement, mission
-    )
     of_test = carried_to is None
-    _check_kind(settings, procedure, of_test=of_test)
-    find = partial(sensors_of, procedure=procedure) if of_test else navigating
-    find(devices)  # refuses what does not go together
-    filling = Filling()
-    if settings.missing != REFUSE:
-        there = [
-            expecting_device(x, procedure, settings.reference, every=not of_test)
-            for x in devices
-        ]
-        devices, filling = fill_all(there, settings.missing, catalogue)
-    sensors = find(devices)
+    if procedure is not None:
+        _check_kind(settings, procedure, of_test=of_test)
     check_settings(settings, workers=engine.workers)
-    carried = None if of_test else mission
-    chosen, warnings = choose_sources(sensors, procedure, settings.only, carried)
+    question = Question.of(
+        *devices,
+        procedure=procedure,
+        requirement=requirement,
+        mission=mission,
+        carried_to=carried_to,
+        on_mission=on_mission,
+        coverage=settings.coverage,
+        reference=settings.reference,
+        only=settings.only,
+        outputs=settings.outputs,
+        missing=settings.missing,
+        catalogue=catalogue,
+    )
+    devices, procedure, sensors = question.devices, question.procedure, question.sensors
+    chosen, warnings = question.only, asked_alone(question)
     if of_test:
         warnings = (
             *not_on_a_mission(requirement, mission),
@@ -331,20 +329,6 @@ def analyze_as(
             *not_estimated(devices, procedure, requirement),
             *warnings,
         )
-    question = Question(
-        devices=devices,
-        procedure=procedure,
-        coverage=settings.coverage,
-        reference=settings.reference,
-        only=chosen,
-        requirement=requirement,
-        filling=filling,
-        asked=choose_outputs(devices, procedure, settings.outputs) if of_test else None,
-        mission=mission,
-        carried_to=carried_to,
-        on_mission=on_mission,
-        catalogue=None if catalogue is None else tuple(catalogue),
-    )
     problem, law = question.problem, question.law
     if engine.talk is not None:
         for text in _costs(problem, settings, engine.workers):
@@ -429,9 +413,7 @@ def analyze_as(
         quantities=input_quantities(question),
         filled=question.filled.lines,
         left=question.filled.left,
-        readings=effects(question.sensors, procedure, reference=settings.reference)
-        if chosen is None and of_test
-        else (),
+        readings=effects(question) if chosen is None and of_test else (),
         mission=question.journey,
         filter=found_out,
         question=question,
@@ -547,7 +529,11 @@ def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estima
 
 def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Estimate:
     """Simulate the calibration run after run, and take moments and intervals."""
-    derive = question.derive  # what has none is refused before all that work
+    if question.journey is not None:
+        raise CallError(
+            "--method simulation simulates the calibration, and a mission takes "
+            "its noise in run besides; take gum or monte-carlo"
+        )
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
     progress = engine.stage("simulated calibrations")
     columns = []
@@ -564,7 +550,14 @@ def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Es
         )
         if progress is not None:
             progress(run + 1, runs)
-    errors = derive(np.stack(columns, axis=1))
+    errors = np.stack(columns, axis=1)
+    if question.outputs is not None:
+        names = [
+            name
+            for one in question.sensors
+            for name in estimated(one.kind, question.procedure)
+        ]
+        errors = combination(names, question.outputs)(errors)
     return Estimate(
         method="simulation",
         trials=runs,

@@ -52,12 +52,11 @@ from budget.inputs import (
 )
 from budget.inputs.records import UNCALIBRATED, ErrorLine
 from budget.inputs.station import IDEAL, at_station
-from budget.inputs.use import in_use, of_the_test
+from budget.inputs.use import of_the_test
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
-from budget.missing.expected import expecting
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -68,11 +67,11 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.question import given_lines, not_weighted, sensors_of
+from budget.question import Question, given_lines, not_weighted
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import sentence
 from budget.studies.blunders import against_limits
-from budget.studies.verdicts import Case, stand
+from budget.studies.verdicts import stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
 
@@ -414,9 +413,9 @@ def qualify(
             f"{how.name}: there is no test, so that no station is needed; give the "
             "procedure of a test"
         )
-    how = in_use(how, wanted, None)
     _check(ratio, guard, strategy or STRATEGIES[0], how)
-    sensors = sensors_of(imus, how)
+    question = Question.of(*imus, procedure=how, requirement=wanted)
+    how, sensors = question.procedure, question.sensors
     names = known_outputs([sensor.kind for sensor in sensors], how)
     limits = tuple(one for one in wanted.limits if one.output in names)
     if not limits:
@@ -471,26 +470,13 @@ def qualify(
             *probe.assumed,
         ),
         warnings=(*_warnings(case, names), *against_limits(how, wanted)),
-        standings=_standings(imus, case),
+        standings=tuple(
+            (kind, standing)
+            for kind in (sensor.kind for sensor in case.sensors)
+            for standing in [stand(question.alone(kind), seed=0)]
+            if standing is not None
+        ),
     )
-
-
-def _standings(
-    devices: tuple[Device, ...], case: _Case
-) -> tuple[tuple[str, Standing], ...]:
-    """Judge each triad after the test, as every command does."""
-    found = []
-    for sensor in case.sensors:
-        one = Case(
-            devices=devices,
-            sensors=(expecting(sensor, case.procedure, case.requirement.reference),),
-            procedure=case.procedure,
-            requirement=case.requirement,
-        )
-        standing = stand(one, seed=0)
-        if standing is not None:
-            found.append((sensor.kind, standing))
-    return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
