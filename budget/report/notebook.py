@@ -1,4 +1,4 @@
-"""Results where they are computed: a table in a notebook, figures, a written report."""
+"""Results in a notebook and at a prompt: tables, figures, a written report."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from budget.report.figures.contributions import (
     waterfall_chart,
 )
 from budget.report.figures.density import density_step
-from budget.report.figures.growth import Growth, draw_growth
+from budget.report.figures.growth import ErrorGrowth, draw_growth
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -60,7 +60,7 @@ from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
 from budget.report.tables import AT_LEAST, group_tables, output_row
-from budget.report.terminal import Page, print_blocks
+from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -141,7 +141,7 @@ def shown_text(found: Shown) -> str:
     room = get_terminal_size((MOST_WIDTH, 0)).columns
     width = min(max(room, LEAST_WIDTH), MOST_WIDTH)
     console = Console(file=text, width=width, color_system=None, force_jupyter=False)
-    print_blocks(_shown(found, WARNINGS), Page(console))
+    print_blocks(_shown(found, WARNINGS), TerminalPage(console))
     return text.getvalue().rstrip()
 
 
@@ -625,7 +625,7 @@ class Plots:
             str(Name(quantity, axis=axis)): (quantity, axis)
             for quantity, axis in (*LENGTHS.items(), *SEEN)
         }
-        found = Growth.of(_curve(self.budget), _choice(known, error))
+        found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
         judged = self.budget.assessment
         limits = () if judged is None else judged.outputs
         return draw_growth(_found(found, "nothing moves that error"), limits)

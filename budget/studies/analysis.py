@@ -38,8 +38,6 @@ from budget.question import (
     Question,
     after_a_turn_on,
     asked_alone,
-    check_settings,
-    choose_basis,
     choose_times,
     not_calibrated,
     not_estimated,
@@ -59,12 +57,12 @@ from budget.results import (
     Contribution,
     OutputBudget,
     Radii,
-    Settings,
     SobolIndex,
     Validation,
     input_files,
 )
 from budget.sentences import sentence
+from budget.settings import Asked, Engine, check
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -73,7 +71,7 @@ from budget.studies.judgement import intervals_of
 from budget.studies.learnt import filtered, too_sure
 from budget.studies.mission import bought
 from budget.studies.mixture import ONE_SIGMA, Mixture
-from budget.studies.progress import Engine, describe_cost, seconds_per_trial
+from budget.studies.progress import describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
@@ -86,7 +84,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
     from budget.problem import Problem
-    from budget.studies.progress import Progress
+    from budget.settings import Progress, Settings
 
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
@@ -94,7 +92,7 @@ SIMULATED_RUNS = 200  # where no number is asked for
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Estimate:
+class MethodEstimate:
     """What one method says of all outputs, in their order [SI]."""
 
     method: str  # 'law', 'monte-carlo' or 'simulation'
@@ -228,23 +226,22 @@ def analyze(
         reference = after_a_turn_on(reference)
     elif tuple(at):
         raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
-    basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    settings = Settings(
+    settings = Asked(
         method=method,
         trials=trials,
         digits=digits,
         max_trials=max_trials,
         validate=validate,
         seed=seed,
-        coverage=basis.coverage,
+        coverage=coverage,
         interval=interval,
-        reference=basis.reference,
-        sobol_samples=samples,
+        reference=reference,
+        samples=samples,
         only=_names("only", only),
         outputs=_names("outputs", outputs),
         matrices=matrices,
         missing=missing,
-    )
+    ).settle(wanted)
     return analyze_as(
         settings,
         *load_devices(devices),
@@ -305,7 +302,7 @@ def analyze_as(
     of_test = carried_to is None
     if procedure is not None:
         _check_kind(settings, procedure, of_test=of_test)
-    check_settings(settings, workers=engine.workers)
+    check("analyze", settings, engine)
     question = Question.of(
         *devices,
         procedure=procedure,
@@ -353,12 +350,12 @@ def analyze_as(
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
-    if settings.sobol_samples is not None and problem.normals_per_trial == 0:
+    if settings.samples is not None and problem.normals_per_trial == 0:
         warnings += (sentence("cautions.nothing_varies"),)
-    elif settings.sobol_samples is not None:
+    elif settings.samples is not None:
         indices = sobol(
             problem,
-            samples=settings.sobol_samples,
+            samples=settings.samples,
             seed=settings.seed,
             workers=engine.workers,
             executor=engine.executor,
@@ -382,7 +379,7 @@ def analyze_as(
             normals_per_trial=None if is_simulated else problem.normals_per_trial,
             only=tuple(sorted(chosen or ())),
             outputs=question.asked or (),
-            sobol_samples=None if indices is None else indices.samples,
+            samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
         outputs=tuple(
@@ -450,7 +447,7 @@ def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> N
         )
 
 
-def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEstimate:
     """Propagate, and have Monte Carlo check it.
 
     Where the law is not sure enough of an interval, it is that of the trials by which
@@ -465,7 +462,7 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
         seed=settings.seed,
         besides=() if wanted is None else wanted.outputs,
     )
-    estimate = Estimate(
+    estimate = MethodEstimate(
         method=BY_LAW,
         trials=None,
         mean=law.mean,
@@ -501,7 +498,9 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> Estimate:
     )
 
 
-def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_trials(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Propagate distributions by Monte Carlo."""
     problem = question.problem
     drawn = sample(
@@ -516,7 +515,7 @@ def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estima
         executor=engine.executor,
         progress=engine.stage("Monte Carlo"),
     )
-    return Estimate(
+    return MethodEstimate(
         method=BY_TRIALS,
         trials=drawn.trials,
         mean=drawn.mean,
@@ -527,7 +526,9 @@ def _by_trials(question: Question, settings: Settings, engine: Engine) -> Estima
     )
 
 
-def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Estimate:
+def _by_simulation(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Simulate the calibration run after run, and take moments and intervals."""
     if question.journey is not None:
         raise CallError(
@@ -558,7 +559,7 @@ def _by_simulation(question: Question, settings: Settings, engine: Engine) -> Es
             for name in estimated(one.kind, question.procedure)
         ]
         errors = combination(names, question.outputs)(errors)
-    return Estimate(
+    return MethodEstimate(
         method="simulation",
         trials=runs,
         mean=errors.mean(axis=1),
@@ -577,7 +578,7 @@ ESTIMATORS = {
 }
 
 
-def _over_missing(question: Question, estimate: Estimate) -> Estimate:
+def _over_missing(question: Question, estimate: MethodEstimate) -> MethodEstimate:
     """Return an estimate over what predicted lines may be, not at their medians.
 
     Of a mission; all others as they are. Correlations are those at the medians.
@@ -637,7 +638,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
 def _costs(problem: Problem, settings: Settings, workers: int) -> Iterator[str]:
     """Say what validation to two digits and Sobol' indices will cost."""
     two_digits = settings.method == "gum" and settings.validate and settings.digits > 1
-    if not (two_digits or settings.sobol_samples):
+    if not (two_digits or settings.samples):
         return
     each = seconds_per_trial(problem)
     if two_digits:
@@ -645,8 +646,8 @@ def _costs(problem: Problem, settings: Settings, workers: int) -> Iterator[str]:
         yield describe_cost(
             "Monte Carlo to validate two digits, at most", most, most * each, workers
         )
-    if settings.sobol_samples:
-        number = evaluations(problem, settings.sobol_samples, SCRAMBLES)
+    if settings.samples:
+        number = evaluations(problem, settings.samples, SCRAMBLES)
         yield describe_cost("Sobol' indices", number, number * each, workers)
 
 
@@ -664,7 +665,7 @@ def _most_to_validate(digits: int) -> int:
 
 def _output_budgets(
     question: Question,
-    estimate: Estimate,
+    estimate: MethodEstimate,
     *,
     indices: SobolResult | None,
     lacks: Mapping[Name, tuple[Name, ...]],
@@ -733,7 +734,7 @@ def _output_budgets(
     return tuple(budgets)
 
 
-def _radii(problem: Problem, estimate: Estimate) -> dict[Name, Radii]:
+def _radii(problem: Problem, estimate: MethodEstimate) -> dict[Name, Radii]:
     """Return CEP and R95 of the lengths among the outputs."""
     lengths = [output.name for output in problem.outputs if output.length_of]
     if not lengths:

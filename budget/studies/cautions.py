@@ -12,7 +12,7 @@ from budget.calibration.mission import not_carried
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.inputs.specification import time_of
-from budget.model.source import Change, Coefficient, Disturbance, Nonlinearity
+from budget.model.source import Coefficient, Disturbance, Nonlinearity, TurnOnChange
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
@@ -179,7 +179,7 @@ def unfelt(question: Question) -> tuple[Unfelt, ...]:
         *(
             Unfelt(source=name, removed="", needs=sentence(effect.needs))
             for name, effect in effects
-            if isinstance(effect, Disturbance | Change | Coefficient)
+            if isinstance(effect, Disturbance | TurnOnChange | Coefficient)
         ),
     )
 

@@ -1,4 +1,4 @@
-"""What the filter of an aided mission has learnt, and what it believes."""
+"""States of the Kalman filter of a mission: sensor errors and believed covariance."""
 
 from __future__ import annotations
 

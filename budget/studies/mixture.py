@@ -1,4 +1,4 @@
-"""Predictive mixture: errors over what lines that are not given may be.
+"""Predictive mixture: errors over the predicted values of lines not given.
 
 Of given sizes s of the missing lines the errors are normal, with the covariance
 

@@ -19,7 +19,7 @@ import numpy as np
 from budget.calibration.schemes import WEIGHTED
 from budget.inputs.specification import SIDES
 from budget.names import Name
-from budget.results import Reading, ReadingEffect, ReadingVerdicts
+from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
 from budget.studies.judgement import judge, screen
 from budget.ties import first_largest, settle
 
@@ -104,7 +104,7 @@ def verdicts_by_reading(
             look = screen if by_law else judge
             judged = look(held, read.law, seed=seed)
         found.append(
-            Reading(
+            ReadingVerdict(
                 words=choice,
                 verdict=judged.verdict(held.absent),
                 utilisation=judged.utilisation,

@@ -1,4 +1,4 @@
-"""Verdicts that can be signed: what overturns them, and what they hold if.
+"""Verdicts with their conditions: what would overturn them, and what they depend on.
 
 On what is given the largest error is within its limit or beyond it
 (budget.studies.judgement). Where it is within, three things may still overturn it: an

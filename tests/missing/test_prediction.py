@@ -22,7 +22,7 @@ from budget.missing.prediction import (
     LEVELS,
     ROUNDS,
     TAILS,
-    Figure,
+    LogLine,
     _fit,
     figures_of,
     joined,
@@ -40,7 +40,7 @@ def figure(design, line="a", log_u=0.0, *, device="1", technology=None):
     """Return a line of a design, of a technology of its own unless one is named."""
     own = f"{design} {device}"
     groups = (technology or design, design, own, f"{own} gyro")
-    return Figure(groups=groups, line=line, device=own, log_u=log_u)
+    return LogLine(groups=groups, line=line, device=own, log_u=log_u)
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""A mission on a terminal: the finding, errors by time, which line is to blame."""
+"""A mission on a terminal: the finding, errors by time, main contributors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Station section of a report: what table, place, timing, environment make of it."""
+"""Station section of a report: errors by table, place, timing and environment."""
 
 from __future__ import annotations
 

@@ -1,16 +1,16 @@
-"""Export: the figures of devices as one target counts them, and what it cannot hold."""
+"""Export of devices to one target: values in its terms, and what it cannot express."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from math import isfinite
 from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.documents import SHOWN_BY, written
+from budget import views
+from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
 from budget.missing import REFUSE as REFUSE_MISSING
@@ -103,7 +103,7 @@ class Export(Tabled):
 
     def to_text(self) -> str:
         """Return the file that the target reads."""
-        text: str = import_module(SHOWN_BY).export_text(self)
+        text: str = views.view().export_text(self)
         return text
 
 
