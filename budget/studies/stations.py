@@ -67,10 +67,11 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.question import Question, given_lines, not_weighted
+from budget.question import Question, given_lines
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import sentence
 from budget.studies.blunders import against_limits
+from budget.studies.cautions import not_weighted
 from budget.studies.verdicts import stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity

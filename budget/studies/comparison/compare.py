@@ -16,19 +16,18 @@ from budget.missing import REFUSE
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
-from budget.question import (
-    Question,
-    mission_for,
-    needs_test,
-    not_calibrated,
-    not_estimated,
-    not_weighted,
-)
+from budget.question import Question, refuse_unjudged
 from budget.results import input_file, named_files
 from budget.sentences import sentence
 from budget.settings import Settings, stage
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_calibrated,
+    not_estimated,
+    not_weighted,
+    of_no_vehicle,
+)
 from budget.studies.comparison.candidates import missing_lines
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
@@ -144,7 +143,6 @@ def compare(
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
-    mission_for(wanted, journey)
     of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
     shared = replace(wanted, limits=of_both)
     tests = tuple(
@@ -160,7 +158,7 @@ def compare(
         for one in several(procedures) or (None,)
     )
     for test in tests:
-        needs_test(wanted, test)
+        refuse_unjudged(wanted, journey, test)
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     check_names(tests)
