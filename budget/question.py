@@ -72,7 +72,7 @@ from budget.settings import Asked, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping, Sequence
+    from collections.abc import Callable, Container, Hashable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -320,9 +320,7 @@ class Question:
 
         Of what belongs to both, IMU: the two, with nothing of either alone.
         """
-        if owner not in self._made:
-            self._made[owner] = self._alone(owner)
-        return self._made[owner]
+        return self.kept(owner, lambda: self._alone(owner))
 
     def _alone(self, owner: str) -> Question:
         """Return it of one owner of outputs."""
@@ -355,21 +353,33 @@ class Question:
             catalogue=self.catalogue,
         )
         if wanted is not None and self.given is None and not only:
-            found._made[MISSION] = self.alone(MISSION)  # noqa: SLF001 - of its own kind
+            found.kept(MISSION, lambda: self.alone(MISSION))
         return found
 
     @cached_property
-    def _made(self) -> dict[object, Question]:
-        """What it was asked to be of: by owner, by procedure."""
+    def _kept(self) -> dict[Hashable, Question]:
+        """What was made of it."""
         return {}
 
+    def kept(self, key: Hashable, make: Callable[[], Question]) -> Question:
+        """Return what was made of it under a key, once."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
     def under(self, procedure: Procedure) -> Question:
-        """Return the same after another calibration, or in another use."""
+        """Return the same after another calibration."""
         if procedure is self.procedure:
             return self
-        if procedure not in self._made:
-            self._made[procedure] = replace(self, procedure=procedure)
-        return self._made[procedure]
+        return self.kept(procedure, lambda: replace(self, procedure=procedure))
+
+    def in_use(self, lines: Sequence[ErrorLine]) -> Question:
+        """Return the same in an environment of more lines."""
+        if not lines:
+            return self
+        own = self.procedure
+        used = replace(own, environment=(*own.environment, *lines))
+        return self.kept(tuple(map(id, lines)), lambda: replace(self, procedure=used))
 
     def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
         """Return the same of other triads, in the place of those of their kinds."""
@@ -392,7 +402,7 @@ class Question:
 
         A filter keeps the gains that it has by what is given: nobody told it more.
         """
-        whole = self.with_sensors(
+        found = (
             one.with_lines(
                 (
                     *(x for x in (*one.lines, *one.initial) if x.name not in less),
@@ -402,7 +412,14 @@ class Question:
             for device in self.devices
             for one in device.sensors
         )
-        return replace(whole, designed=self.designed or self)
+        designed = self.designed or self
+        return self.kept(
+            (
+                *less,
+                *((name, one.name, one.u.tobytes()) for name, one in lines.items()),
+            ),
+            lambda: replace(self.with_sensors(found), designed=designed),
+        )
 
     @property
     def wanted(self) -> Requirement:
