@@ -414,10 +414,7 @@ class Question:
         )
         designed = self.designed or self
         return self.kept(
-            (
-                *less,
-                *((name, one.name, one.u.tobytes()) for name, one in lines.items()),
-            ),
+            (*less, *((name, *_told(one)) for name, one in lines.items())),
             lambda: replace(self.with_sensors(found), designed=designed),
         )
 
@@ -596,6 +593,18 @@ class Question:
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
         )
+
+
+def _told(line: ErrorLine) -> tuple[Hashable, ...]:
+    """Return what tells a line from others of its name."""
+    times = line.correlation_time
+    return (
+        line.name,
+        line.form,
+        line.distributions,
+        line.u.tobytes(),
+        None if times is None else times.tobytes(),
+    )
 
 
 def question_of(budget: Budget) -> Question:
