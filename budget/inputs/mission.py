@@ -32,6 +32,7 @@ from budget.inputs.fields import (
     Ruled,
     ShortText,
     Sign,
+    Span,
     Strict,
     faults,
     not_rising,
@@ -129,7 +130,6 @@ class RateOf(Measured):
 
 TURN_RATE = Measured("deg/s", Sign.POSITIVE)
 CLIMB_RATE = Measured("m/s", Sign.ANY)
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
 Speed = Annotated[Quantity, Measured("m/s", bare=True)]
 Angle = Annotated[Quantity, Measured("deg", Sign.ANY, bare=True)]
 Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
