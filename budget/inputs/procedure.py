@@ -57,7 +57,7 @@ from budget.names import (
     parameters_of,
 )
 from budget.sentences import sentence
-from budget.units import Quantity
+from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Callable

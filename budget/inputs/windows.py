@@ -26,7 +26,7 @@ from budget.inputs.fields import (
 )
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
-from budget.units import Quantity
+from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

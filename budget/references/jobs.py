@@ -1,4 +1,4 @@
-"""What a reference is of, a budget, a comparison, an allocation; computed anew."""
+"""Compute what a reference is of: a budget, a mission, a comparison, an allocation."""
 
 from __future__ import annotations
 
