@@ -3,29 +3,21 @@
 from __future__ import annotations
 
 from functools import partial
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.figures.rows import (
-    Chart,
-    Dot,
-    Group,
-    Panel,
-    Row,
-    Scale,
-    Side,
-)
+from budget.report.figures.rows import Chart, ChartPanel, Dot, rows_of
 from budget.report.figures.style import (
     INK,
     PAPER,
+    Scale,
     as_picture,
     house_style,
     plane,
     write,
 )
-from budget.report.pages import blocks, line
+from budget.report.pages import blocks, figure, line
 from budget.report.tables import print_given
 from budget.ties import first_largest
 from budget.units import PPM
@@ -39,7 +31,6 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.report.blocks import Picture
     from zhao_2019.orders import Sweep
-    from zhao_2019.printed import Finding
     from zhao_2019.study import PaperStudy
 
 PAGE = "figures_paper"
@@ -136,44 +127,42 @@ def ratio_chart(study: PaperStudy) -> Chart:
     ]
     ratios = [row.ratio or 1.0 for row in rows]
     far = rows[first_largest([max(ratio, 1.0 / ratio) for ratio in ratios])]
-    fits = sum(row.verdict in FITS for row in rows)
-    is_open = any(row.verdict == Verdict.UNEXPLAINED for row in rows)
+    said, table = figure(
+        PAGE,
+        "ratios",
+        rows=rows,
+        far=far,
+        fits=sum(row.verdict in FITS for row in rows),
+        is_open=any(row.verdict == Verdict.UNEXPLAINED for row in rows),
+        unexplained=Verdict.UNEXPLAINED,
+        print=print_ratio,
+    )
     scale = Scale(
         low=min(*ratios, 1.0) / AIR,
         high=max(*ratios, 1.0) * AIR,
         kind="log",
         lines=((1.0, ""),),
-        label=said("ratio_axis"),
+        label=said.axis,
     )
-    groups = tuple(
-        Group(title=title, rows=tuple(map(_row, own)))
-        for title, own in groupby(rows, key=lambda row: said("ratio_group", row=row))
+    drawn = rows_of(
+        table,
+        lambda at, row: [
+            Dot(
+                start=at.ratio,
+                colour=INK if row.verdict in FITS else PAPER,
+                width=5.5,
+                tip=at.tip,
+            )
+        ],
+        rows,
     )
-    ratio = print_ratio(far.ratio)
     return Chart(
         name="ratios",
-        title=said("ratio_title", fits=fits, rows=rows, far=far, ratio=ratio),
-        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead=said("ratio_lead"),
-        caption=said("ratio_caption", is_open=is_open),
-    )
-
-
-def _row(row: Finding) -> Row:
-    """Return one dot, filled where it fits."""
-    ratio = print_ratio(row.ratio)
-    mark = Dot(
-        at=row.ratio or 1.0,
-        fill=INK if row.verdict in FITS else PAPER,
-        size=5.5,
-        tip=said("ratio_tip", row=row, ratio=ratio),
-    )
-    return Row(
-        label=said("ratio_label", row=row),
-        marks=(mark,),
-        beside=(ratio,),
-        strong=row.verdict == Verdict.UNEXPLAINED,
-        said=said("ratio_said", row=row, ratio=ratio),
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
     )
 
 

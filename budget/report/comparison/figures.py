@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
+    CELL_EDGE,
     Bar,
     Chart,
-    Group,
+    ChartGroup,
+    ChartPanel,
+    ChartRow,
     Head,
-    Panel,
-    Row,
-    Scale,
-    Side,
+    rows_of,
 )
 from budget.report.figures.style import (
     BLUE,
@@ -24,6 +25,7 @@ from budget.report.figures.style import (
     INK,
     MUTED,
     PAPER,
+    Scale,
     as_picture,
     house_style,
     log_ticks,
@@ -31,8 +33,8 @@ from budget.report.figures.style import (
     text_width,
     write,
 )
-from budget.report.pages import line
-from budget.report.tables import AT_LEAST, as_limited, largest_error, used_part
+from budget.report.pages import figure, line
+from budget.report.tables import AT_LEAST, as_limited, used_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
+    from budget.report.figures.rows import ChartMark
     from budget.results import OutputAssessment
 
 SHOWN = 30  # devices of a map, the best ones that can be judged; all are in the tables
@@ -65,10 +68,11 @@ NAMED = 3  # devices in a title
 MOST_NAMES = 24  # dots of a front: names of more have no room
 MOST_TICKS = 8  # of an axis of a front
 DOT, HIGH = 4.0, 9.5  # half of the room of a dot; height of its name [pt]
-said = partial(line, "figures_comparison")
+PAGE = "figures_comparison"
+said = partial(line, PAGE)
 
 
-def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
+def map_chart(table: Ranking, name: str, data: DataTable | None) -> Chart:
     """Show devices by outputs, best first: one hue, a step and a frame at the limit.
 
     Of those that can be judged; outputs that are alike for all of them, as equal axes
@@ -76,12 +80,21 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
     """
     rows = table.measured[:SHOWN]
     columns = _columns(rows)
-    cells = Panel(
-        scale=Scale(low=0.0, high=float(len(columns)), ticks=()),
-        groups=(Group(rows=tuple(_map_row(row, columns) for row in rows)),),
+    known = [row for row in table.measured if not row.of.lower_bound]
+    tightest = Counter(row.of.worst_output.quantity for row in known)
+    told, own = figure(
+        PAGE,
+        "map",
+        table=table,
+        rows=rows,
+        known=known,
+        most=tightest.most_common(1),
     )
+    (drawn,) = rows_of(own, partial(_map_cells, columns=columns), rows)
+    marked = [mark_name(row, LONG_NAME) for row in rows]
+    named = map(lambda one, label: replace(one, label=label), drawn.rows, marked)
     width = 1.1 * DARKEST_AT / STEPS
-    hues = tuple(
+    hues = [
         Bar(
             start=step * width,
             end=(step + 1) * width,
@@ -90,24 +103,55 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
             opacity=_opacity((step + 0.5) * width),
         )
         for step in range(STEPS)
-    )
-    ticks = ((0.0, "0"), (1.0, said("limit")), (DARKEST_AT, said("beyond")))
-    scale = Panel(
-        scale=Scale(low=0.0, high=STEPS * width, ticks=ticks),
-        groups=(Group(rows=(Row(label="", marks=hues),)),),
-    )
+    ]
+    ticks = ((0.0, "0"), (1.0, told.limit), (DARKEST_AT, told.beyond))
     return Chart(
         name=name,
-        title=map_title(table),
-        sides=(Side(panels=(cells, scale)),),
-        lead=said("map_lead"),
-        caption=said("map_caption", table=table, shown=SHOWN),
+        title=told.title,
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=float(len(columns)), ticks=()),
+                groups=(replace(drawn, rows=tuple(named)),),
+            ),
+            ChartPanel(
+                scale=Scale(low=0.0, high=STEPS * width, ticks=ticks),
+                groups=(ChartGroup(rows=(ChartRow(label="", marks=tuple(hues)),)),),
+            ),
+        ),
+        table=own,
+        has_data=False,
+        numbers=data,
+        caption=told.caption,
         heads=tuple(_output_heads(rows[0], columns)),
         pitch=15.0,
-        data=data,
-        data_on_paper=False,
         width=BROAD,
     )
+
+
+def _map_cells(
+    _: object, row: Device, columns: Sequence[Sequence[int]]
+) -> Iterator[ChartMark]:
+    """Yield the cells of one device; each has its tooltip."""
+    for x, places in enumerate(columns):
+        output = row.of.outputs[places[0]]
+        yield Bar(
+            start=x + CELL_EDGE,
+            end=x + 1.0 - CELL_EDGE,
+            colour=BLUE,
+            edge="none",
+            opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
+            height=14.0,
+            is_framed=not output.is_within,
+            text=_cell(output),
+            strong=not output.is_within,
+            tip=said(
+                "map_tip",
+                device=row.device,
+                names=[row.of.outputs[k].output.name for k in places],
+                limited=as_limited(output),
+                printed_limit=output.printed_limit,
+            ),
+        )
 
 
 def _columns(rows: Sequence[Device]) -> list[list[int]]:
@@ -120,45 +164,6 @@ def _columns(rows: Sequence[Device]) -> list[list[int]]:
 
     places = range(len(rows[0].of.outputs))
     return [list(own) for _, own in groupby(places, looks)]
-
-
-def map_title(table: Ranking) -> str:
-    """State the finding: which output is the tightest for most devices."""
-    rows = [row for row in table.measured if not row.of.lower_bound]
-    tightest = Counter(row.of.worst_output.quantity for row in rows)
-    return said("map_title", table=table, rows=rows, most=tightest.most_common(1))
-
-
-def _map_row(row: Device, columns: Sequence[Sequence[int]]) -> Row:
-    """Return the cells of one device; each has its tooltip."""
-    return Row(
-        label=mark_name(row, LONG_NAME),
-        marks=tuple(
-            Bar(
-                start=x + 0.02,
-                end=x + 0.98,
-                colour=BLUE,
-                edge="none",
-                opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
-                height=14.0,
-                is_framed=not output.is_within,
-                text=_cell(output),
-                strong=not output.is_within,
-                tip=said(
-                    "map_tip",
-                    device=row.device,
-                    names=[row.of.outputs[k].output.name for k in places],
-                    error=largest_error(as_limited(output)).text,
-                    unit=as_limited(output).output.unit,
-                    printed_limit=output.printed_limit,
-                    used=used_part(output).text,
-                ),
-            )
-            for x, places in enumerate(columns)
-            for output in [row.of.outputs[places[0]]]
-        ),
-        said=said("map_said", row=row),
-    )
 
 
 def _output_heads(row: Device, columns: Sequence[Sequence[int]]) -> Iterator[Head]:
@@ -373,6 +378,5 @@ def fit_name(name: str, length: int) -> str:
 
 def mark_name(row: Device, length: int) -> str:
     """Return a device's name that fits, marked where specifications are missing."""
-    if not row.missing:
-        return fit_name(row.device, length)
-    return fit_name(row.device, length - len(MARK)) + MARK
+    mark = MARK if row.missing else ""
+    return fit_name(row.device, length - len(mark)) + mark

@@ -10,9 +10,10 @@ import io
 import re
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
 from budget.model.sources import SOURCES
@@ -256,6 +257,57 @@ def write(
         ha=ha,
         va=va,
     )
+
+
+TICK_ROOM, DECADE_ROOM = 30.0, 24.0  # of a number, of a power of ten on an axis [pt]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """The axis that rows share."""
+
+    # Its ends.
+    low: float
+    high: float
+    kind: str = "linear"  # 'linear', 'log', or 'symlog' (linear between -1 and 1)
+    # Where its numbers stand, and as what; None for round ones.
+    ticks: tuple[tuple[float, str], ...] | None = None
+    # Lines across all rows, a limit or a zero, with a word above; '' for none.
+    lines: tuple[tuple[float, str], ...] = ()
+    band: tuple[float, float] | None = None  # what is shaded behind the rows
+    label: str = ""  # quantity and unit
+    most: int | None = None  # numbers on a logarithmic one, None: as fit
+
+
+def set_scale(axes: Axes, name: Literal["x", "y"], scale: Scale) -> None:
+    """Set ends, kind, numbers and name of the axis 'x' or 'y'."""
+    options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
+    axis = getattr(axes, f"{name}axis")
+    if scale.kind != "linear":  # as it is
+        getattr(axes, f"set_{name}scale")(scale.kind, **options)
+    getattr(axes, f"set_{name}lim")(scale.low, scale.high)
+    if scale.ticks is not None:
+        axis.set_ticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
+    else:
+        width = in_points(axes, axes.bbox.width if name == "x" else axes.bbox.height)
+        if scale.kind == "linear":
+            number = max(2, int(width / TICK_ROOM))
+            axes.locator_params(name, nbins=number, steps=[1, 2, 5, 10])
+        elif scale.kind == "log":
+            log_ticks(axis, scale.most or max(2, int(width / DECADE_ROOM)))
+        axis.set_major_formatter("{x:g}")
+        low, high = sorted((scale.low, scale.high))
+        axis.set_ticks([x for x in axis.get_ticklocs() if low <= x <= high])
+    axes.minorticks_off()
+    if scale.label:
+        axis.set_label_text(scale.label, fontsize=SMALL, color=MUTED)
+    else:
+        without_name(axis)
+
+
+def in_points(axes: Axes, pixels: float) -> float:
+    """Return a length on the figure [pt]."""
+    return INCH * pixels / axes.figure.dpi
 
 
 HEAD_LINE, HEAD_EDGE = 12.0, 6.0  # height of a line above a figure, air around it [pt]
