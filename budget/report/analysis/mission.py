@@ -18,7 +18,7 @@ from budget.report.analysis.verdict import answer_rows
 from budget.report.blocks import Abreast, Card, Paragraph, Run
 from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
-from budget.report.figures.track import Way, track_picture
+from budget.report.figures.track import Way, track_plot
 from budget.report.inputs import inputs_section, print_degrees
 from budget.report.mission import (
     PLANE,
@@ -157,7 +157,7 @@ def mission_figures(budget: Budget) -> tuple[Picture, ...]:
     limits = () if budget.assessment is None else budget.assessment.outputs
     found = curve(question, times)
     way = way_with_errors(budget, found)
-    track = () if way is None else (track_picture(way),)
+    track = () if way is None else (track_plot(way).picture,)
     return (*growth_pictures(found, limits), *track)
 
 

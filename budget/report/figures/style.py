@@ -130,26 +130,6 @@ def house_style() -> Iterator[None]:
         _STYLED.reset(token)
 
 
-def canvas(
-    height: float,
-    *,
-    left: float,
-    right: float,
-    top: float,
-    below: float,
-) -> tuple[Figure, Axes]:
-    """Make a figure with one bare panel, from its height and margins in points."""
-    figure = blank(height)
-    axes = add_panel(
-        figure,
-        left=left,
-        top=top,
-        width=WIDTH - left - right,
-        height=height - top - below,
-    )
-    return figure, axes
-
-
 def blank(height: float, *, width: float = WIDTH) -> Figure:
     """Make a figure with nothing on it [pt]."""
     from budget.report.figures.displayed import Displayed
@@ -357,15 +337,24 @@ def folded(text: str, room: float, size: float) -> list[str]:
     return [one.rstrip() for one in found if one.strip()]
 
 
-def plane(title: str, across: str, up: str, height: float) -> tuple[Figure, Axes]:
-    """Make a figure with a grid over two axes, each with quantity and unit."""
-    figure, axes = canvas(height, left=58.0, right=66.0, top=12.0, below=34.0)
-    figure.set_label(title)
+def add_plane(
+    figure: Figure,
+    x: Scale,
+    y: Scale,
+    *,
+    left: float = 58.0,
+    top: float = 12.0,
+    right: float = 66.0,
+    height: float,
+) -> Axes:
+    """Add a panel with a grid over two axes; margins and height in points."""
+    width = INCH * float(figure.get_size_inches()[0]) - left - right
+    axes = add_panel(figure, left=left, top=top, width=width, height=height)
     axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
     axes.grid(color=GRID, linewidth=0.6)
-    axes.set_xlabel(across, fontsize=SMALL, color=MUTED)
-    axes.set_ylabel(up, fontsize=SMALL, color=MUTED)
-    return figure, axes
+    set_scale(axes, "x", x)
+    set_scale(axes, "y", y)
+    return axes
 
 
 def log_ticks(axis: Axis, most: int | None = None) -> None:
@@ -397,12 +386,13 @@ def as_picture(
     One that needs the width of the page has another for a telephone, `narrow`.
     """
     name = kebab(name)
+    svg = to_svg(figure, name=name)
     return Picture(
         name=name,
         title=title,
         alt=alt,
-        svg=to_svg(figure, name=name),
-        tips=tips or {},
+        svg=svg,
+        tips={k: tip for k, tip in (tips or {}).items() if f'"{name}-{k}"' in svg},
         caption=caption,
         data=data,
         is_wide=is_wide or narrow is not None,

@@ -7,18 +7,18 @@ reads its rows by them. A column with a role and without a head is drawn, not sh
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from budget.report.blocks import Column, RowGroup, Table
-from budget.report.figures.style import as_picture
+from budget.report.figures.style import as_picture, house_style
 from budget.report.pages import line
 from budget.report.writing import capital
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from matplotlib.figure import Figure
 
@@ -28,32 +28,42 @@ PAGE = "figures_rows"
 BESIDE, CELL = "beside", "cell"  # roles of texts on the right, of cells of a map
 
 
-def tabled_picture(
-    figure: Figure,
-    said: SimpleNamespace,
-    table: Table,
-    *,
-    name: str,
-    tips: Mapping[str, str],
-    alt: str = "",
-    data: Table | None = None,
-    **options: Any,  # noqa: ANN401 - of a picture
-) -> Picture:
-    """Return a figure with what it says, `title` and `caption`, and its table.
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """A figure over two axes: what it says, its table, and how it is drawn."""
 
-    Its alternative text is that of the table unless another one is given.
-    """
-    return as_picture(
-        figure,
-        name=name,
-        title=said.title,
-        alt=alt or alternative(said.title, table),
-        tips=tips,
-        caption=said.caption,
-        data=data or shown(table),
-        data_on_paper=False,
-        **options,
-    )
+    name: str  # as in `Picture`
+    said: SimpleNamespace  # `title`, the finding, and `caption`
+    table: Table
+    draw: Callable[[], Figure]
+    # Tooltips by the gid of what they belong to; what is not drawn has none.
+    tips: Mapping[str, str] = field(default_factory=dict)
+    alt: str = ""  # that of the table without
+    is_wide: bool = False
+    data_on_paper: bool = False
+
+    @property
+    def figure(self) -> Figure:
+        """The drawing, with the finding as its label."""
+        with house_style():
+            figure = self.draw()
+        figure.set_label(self.said.title)
+        return figure
+
+    @property
+    def picture(self) -> Picture:
+        """The block of a page."""
+        return as_picture(
+            self.figure,
+            name=self.name,
+            title=self.said.title,
+            alt=self.alt or alternative(self.said.title, self.table),
+            tips=self.tips,
+            caption=self.said.caption,
+            data=shown(self.table),
+            is_wide=self.is_wide,
+            data_on_paper=self.data_on_paper,
+        )
 
 
 def heads_of(table: Table, role: str = BESIDE) -> tuple[str, ...]:

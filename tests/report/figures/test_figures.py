@@ -31,9 +31,7 @@ from budget.names import Name
 from budget.report.analysis.groups import budget_section
 from budget.report.blocks import Picture
 from budget.report.figures.density import (
-    density_picture,
-    density_step,
-    density_title,
+    density_plot,
     part_beyond,
 )
 from budget.report.figures.outputs import (
@@ -317,7 +315,7 @@ PICTURES = {
     "utilisation": lambda: utilisation_chart(make_assessment(make_budget())),
     "coupling": lambda: coupling_chart(make_coupling(), "gyro"),
     "schedule": lambda: schedule_chart(make_procedure(), BOTH),
-    "density": lambda: density_picture(make_density(), coverage=0.95),
+    "density": lambda: density_plot(make_density(), coverage=0.95).picture,
     "validity": lambda: validity_chart(
         with_checks(make_budget(), {"gyro.bias.x": -7.0}), "gyro"
     ),
@@ -325,7 +323,7 @@ PICTURES = {
     "overview": lambda: overview_chart(group_tables(make_budget())),
 }
 FIGURES = {
-    "density": lambda: density_step(make_density(), coverage=0.95),
+    "density": lambda: density_plot(make_density(), coverage=0.95).figure,
 }
 WORDS_HAVE_DATA = ("utilisation", "validity", "sobol", "overview")
 
@@ -551,7 +549,8 @@ def test_part_beyond_the_limit_is_that_of_the_normal_law():
 def test_density_title_says_how_often_the_limit_is_exceeded():
     """The finding is a share of the trials, 'none' where there is none."""
     titles = [
-        density_title(make_density(limit), coverage=0.95) for limit in (0.1, 1.0, None)
+        density_plot(make_density(limit), coverage=0.95).said.title
+        for limit in (0.1, 1.0, None)
     ]
 
     some, none, without = titles
@@ -563,7 +562,7 @@ def test_density_title_says_how_often_the_limit_is_exceeded():
 def test_limit_far_away_is_told_and_not_drawn():
     """A limit that would squeeze the density is in the caption, not in the picture."""
     near, far = (
-        density_picture(make_density(limit), coverage=0.95) for limit in (0.1, 1.0)
+        density_plot(make_density(limit), coverage=0.95).picture for limit in (0.1, 1.0)
     )
 
     assert near.svg.count(">limit<") == 2
