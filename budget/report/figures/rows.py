@@ -352,7 +352,7 @@ def _draw_panel(
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import FixedFormatter, FixedLocator
 
-    set_scale(axes, "x", panel.scale)
+    set_scale(axes, "x", panel.scale, by_room=True)
     axes.set_ylim(_rows_height(chart, panel), 0.0)
     ticks: list[tuple[float, str]] = []
     top = 0.0

@@ -259,17 +259,19 @@ class Scale:
     most: int | None = None  # numbers on a logarithmic one, None: as fit
 
 
-def set_scale(axes: Axes, name: Literal["x", "y"], scale: Scale) -> None:
-    """Set ends, kind, numbers and name of the axis 'x' or 'y'."""
+def set_scale(
+    axes: Axes, name: Literal["x", "y"], scale: Scale, *, by_room: bool = False
+) -> None:
+    """Set ends, kind, numbers and name of an axis, no more numbers than have room."""
     options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
     axis = getattr(axes, f"{name}axis")
     if scale.kind != "linear":  # as it is
         getattr(axes, f"set_{name}scale")(scale.kind, **options)
     getattr(axes, f"set_{name}lim")(scale.low, scale.high)
+    width = in_points(axes, axes.bbox.width)
     if scale.ticks is not None:
         axis.set_ticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
-    else:
-        width = in_points(axes, axes.bbox.width if name == "x" else axes.bbox.height)
+    elif by_room or scale.kind != "linear":
         if scale.kind == "linear":
             number = max(2, int(width / TICK_ROOM))
             axes.locator_params(name, nbins=number, steps=[1, 2, 5, 10])
