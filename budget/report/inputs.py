@@ -22,8 +22,8 @@ from budget.report.figures.timeline import (
     schedule_chart,
 )
 from budget.report.pages import sections
+from budget.report.standing import parted
 from budget.report.tables import print_given
-from budget.report.wording import parted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:

@@ -33,14 +33,21 @@ from budget.report.mission import (
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
-from budget.report.standing import NAMES, counting, keyed, missing
+from budget.report.standing import (
+    NAMES,
+    counting,
+    deciding_lines,
+    keyed,
+    missing,
+    standing_blocks,
+)
 from budget.report.tables import (
     SMALL_SHARE,
     full_title,
     of_the_variance,
     print_coverage,
 )
-from budget.report.wording import capital, deciding_lines, standing_blocks
+from budget.report.writing import capital
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
 from budget.studies.verdicts import calibration_words, use_words

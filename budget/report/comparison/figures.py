@@ -259,7 +259,7 @@ def _drawn_front(
     low, high = min(50.0, *parts) / 1.5, max(200.0, *parts) * 1.5
     y = log(low=low, high=high, label=told.error)
     drawing = blank(240.0, width=BROAD)
-    axes = add_plane(drawing, x, y, height=194.0)
+    axes = add_plane(drawing, x, y, left=88.0, right=100.0, height=194.0)
     axes.axhline(100.0, color=INK, linewidth=1.0, zorder=1)
     best = [merit in row.of.on_front for row, _ in points]
     if any(best):

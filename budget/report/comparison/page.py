@@ -30,9 +30,7 @@ from budget.report.figures.rows import chart_picture
 from budget.report.figures.tabled import Plot
 from budget.report.pages import blocks, document, line, lines, sections
 from budget.report.provenance import provenance_section
-from budget.report.readings import verdict_line
-from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
-from budget.report.wording import (
+from budget.report.standing import (
     deciding_lines,
     error_reference,
     mode_remark,
@@ -40,6 +38,7 @@ from budget.report.wording import (
     parted,
     standing_lines,
 )
+from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import MERITS, over_cap
@@ -144,7 +143,6 @@ def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
         "filling": mode_sentence(comparison.settings),
         "print_chance": print_chance,
         "print_conformance": print_conformance,
-        "verdict_line": verdict_line,
         "AT_LEAST": AT_LEAST,
         "FEW": FEW,
         "MANY": MANY,

@@ -203,7 +203,9 @@ def _draw(
     drawing = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
     x, every = np.array(growth.curve.times), growth.sizes.values()
     is_even = bool(growth.curve.measured)
-    largest = max(*(float(one.max()) for one in every), *(one.limit for one in limits))
+    largest = max(
+        [*(float(one.max()) for one in every), *(one.limit for one in limits)]
+    )
     least = min(float(one.min()) for one in every)
     low, high = max(least / 2.0, largest / REACH), 2.0 * largest
     times = Scale(
