@@ -129,7 +129,7 @@ def test_the_figure_says_its_finding_and_its_numbers():
     (first,) = growth_pictures(grown())
     assert_says(first.title, "1.2 m CEP after 1 min", "of the variance")
     assert_says(first.alt, "R95", "accelerometer bias repeatability", "all others")
-    assert_says(first.alt, "shares of its variance", "all others [%]: ")
+    assert_says(first.alt, "shares of its variance", "all others [%]")
     assert {f"curve-{k}" for k in range(1, 4)} <= set(first.tips)
     for name in ("mission-growth-curve-2", "mission-growth-curve-3"):
         assert f'id="{name}"' in first.svg
