@@ -2,7 +2,7 @@
 
 The way from a data sheet to a page:
 
-- `inputs` read files to records: a Device has Sensors (triads), a Sensor has ErrorLines;
+- `inputs` read files to records: a Device has Sensors, triads, a Sensor has ErrorLines;
   a Procedure has windows, lines of station and environment; a Requirement has Limits.
 - `Question.load` puts records together: the procedure in its use, what a sheet does not
   give expected and filled (`missing`), names resolved, what does not fit refused.
