@@ -440,11 +440,14 @@ class Question:
 
         Raises
         ------
-        ValueError
+        CallError
             There are none.
         """
         if self.requirement is None:
-            raise ValueError("no limits were asked for")
+            raise CallError(
+                "requirement is None, and there is nothing to judge without limits; "
+                "give a requirement"
+            )
         return self.requirement
 
     @property
