@@ -118,7 +118,8 @@ def test_longitudes_and_headings_do_not_jump(read, sense):
     ]
     found = read(rows, HEADER + ",heading [deg]")
     assert_allclose(np.diff(found.track.longitude), radians(sense * 0.001), rtol=1e-9)
-    assert_allclose(np.diff(found.track.attitude[:, 2]), radians(sense * 2.0), rtol=1e-9)
+    heading = found.track.attitude[:, 2]
+    assert_allclose(np.diff(heading), radians(sense * 2.0), rtol=1e-9)
 
 
 def test_columns_stand_in_any_order_and_unit(read):
