@@ -466,6 +466,11 @@ class _Chain:
     first: Problem
     last: Function
 
+    @property
+    def is_steady(self) -> bool:
+        """Whether the first is the same whenever it is called."""
+        return getattr(self.first.function, "is_steady", False)
+
     def __call__(self, argument: Array) -> Array:
         """Return what follows, shape (n_new, trials) [SI]."""
         return self.last(self.first.evaluate_argument(argument))

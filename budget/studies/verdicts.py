@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from math import floor, inf, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,10 +41,13 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.saturation import (
     needed_range,
-    peaks_of_test,
     saturations,
 )
-from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
+from budget.calibration.schemes import (
+    calibrates,
+    largest_of_test,
+    with_accelerometers,
+)
 from budget.distributions import normal_coverage_factor
 from budget.inputs.makers import LINES_BY_WORD, bare
 from budget.inputs.records import JOINT
@@ -1089,9 +1092,14 @@ def silent_of(case: Case) -> Mapping[str, tuple[Name, ...]]:
 
 def _tried(case: Case) -> Procedure:
     """Return the procedure with every use that is not stated at its probe."""
-    lines = [PROBE[key] for key in unstated(case)]
-    own = case.procedure
-    return replace(own, environment=(*own.environment, *lines))
+    return _with_probes(case.procedure, unstated(case))
+
+
+@lru_cache(maxsize=16)
+def _with_probes(own: Procedure, keys: tuple[str, ...]) -> Procedure:
+    """Return a procedure with some uses at their probes: one for all devices."""
+    lines = [PROBE[key] for key in keys]
+    return replace(own, environment=(*own.environment, *lines)) if lines else own
 
 
 def _felt_by(case: Case, key: str) -> tuple[Name, ...]:
@@ -1358,14 +1366,8 @@ def _peaks(case: Case) -> tuple[Peak, ...]:
     """Return the largest input of each triad whose range is not given."""
     if case.mission is not None:
         return needed_range(case.there, case.mission)
-    place = case.procedure.place
     return tuple(
-        max(
-            peaks_of_test(
-                one.kind, scheme_of(one.kind, case.procedure, one).schedule, place
-            ),
-            key=lambda peak: peak.size,
-        )
+        largest_of_test(one.kind, case.procedure)
         for one in case.there
         if one.range is None and calibrates(one.kind, case.procedure)
     )
