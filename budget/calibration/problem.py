@@ -126,7 +126,11 @@ def calibration_problem(
             procedure,
             *(reference, every, outputs and tuple(outputs), len(sensors)),
             *((one.kind, id(schemes[one.kind]), *_design(one)) for one in there),
-            *(row.structure for row in rows if row.owner in SENSORS),
+            *(
+                row.structure(is_felt=bool(procedure.environment))
+                for row in rows
+                if row.owner in SENSORS
+            ),
         ),
         sensors=sensors,
         there=there,
@@ -253,14 +257,13 @@ class _Row:
         source = source_of(owner, given.name).meant(given)
         return cls(owner=owner, given=given, source=source)
 
-    @property
-    def structure(self) -> tuple[object, ...]:
-        """What the function takes of a line: no size but of what it is fixed by."""
+    def structure(self, *, is_felt: bool) -> tuple[object, ...]:
+        """Return what the function takes of it: a size where coefficients are felt."""
         given, effect = self.given, self.source.effect
-        key = (self.owner, given.name, given.form, given.u.size, bool(given.u.any()))
-        if isinstance(effect, Coefficient | TurnOnChange):
-            return *key, given.u.tobytes(), given.horizons
-        return key
+        size = given.u.tobytes() if is_felt and isinstance(effect, Coefficient) else b""
+        is_there = bool(given.u.any())
+        key = (self.owner, given.name, given.form, given.u.size, is_there)
+        return *key, size, given.horizons
 
     def is_input(self, triads: Mapping[str, Triad]) -> bool:
         """Whether it varies, and there is anything that it may reach.
