@@ -131,9 +131,8 @@ def _each(
     work: Callable[..., JudgedCandidate],
 ) -> list[JudgedCandidate]:
     """Judge some candidates, one after the other; what they share is made at once."""
-    for catalogue in {one.catalogue for one, _ in tasks}:
-        own = dict.fromkeys(x.device for x, _ in tasks if x.catalogue is catalogue)
-        prepare(own, shipped_devices() if catalogue is None else catalogue)
+    devices = dict.fromkeys(device for one, _ in tasks for device in one.devices)
+    prepare(devices, tasks[0][0].catalogue or shipped_devices())
     return [work(task) for task in tasks]
 
 
