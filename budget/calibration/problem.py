@@ -355,7 +355,9 @@ def _noise_covariance(
     for axis in range(3 if included and _is_tested(triad) else 0):
         process = effect.process(given, axis, sample_rate)
         place = np.ix_(order[axis], order[axis])
-        covariance[place] = process.reduce(triad.scheme.schedule, weights[axis])
+        covariance[place] = triad.statistics.covariance(
+            process, axis, triad.scheme.schedule
+        )
     return covariance
 
 
