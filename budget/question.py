@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -393,8 +393,7 @@ class Question:
         """Return the same in an environment of more lines."""
         if not lines:
             return self
-        own = self.procedure
-        used = replace(own, environment=(*own.environment, *lines))
+        used = _used(self.procedure, tuple(lines))
         return self.kept(tuple(map(id, lines)), lambda: replace(self, procedure=used))
 
     def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
@@ -612,6 +611,12 @@ class Question:
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
         )
+
+
+@lru_cache(maxsize=16)
+def _used(own: Procedure, lines: tuple[ErrorLine, ...]) -> Procedure:
+    """Return a procedure in an environment of more lines: one for all devices."""
+    return replace(own, environment=(*own.environment, *lines))
 
 
 def _told(line: ErrorLine) -> tuple[Hashable, ...]:

@@ -103,9 +103,10 @@ def compare(
         pages_of,
     )
     from budget.errors import CallError, SpecError
-    from budget.inputs import load_catalogue, load_requirement
+    from budget.inputs import load_requirement
     from budget.inputs.load import shipped_path, try_changed
     from budget.language import speaking
+    from budget.missing import shipped_devices
     from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column
@@ -132,7 +133,7 @@ def compare(
         raise CallError("--kind and --grade choose from the catalogue; add --catalogue")
     column = None if sort is None else find_column(sort)
     wanted = load_requirement(requirement)
-    every = load_catalogue()
+    every = shipped_devices()
     chosen = options.select_catalogue(kind, grade) if catalogue else ()
     loaded, issues = try_changed(
         [*(devices or ()), *map(shipped_path, chosen)], changes or (), variants=True
