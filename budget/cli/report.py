@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Engine, Inputs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from budget.inputs.records import Device, Mission, Procedure, Requirement
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
-    from budget.settings import Engine
 
 
 REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own
@@ -26,25 +25,14 @@ BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
 OF_MISSION = frozenset({"mission", "at"})  # which analyze takes in place of a test
 
 
-@options.spell_out
+@options.asking("report")
 def report(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
-    output: Annotated[list[Path], options.OUTPUT],
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
-    calibration: options.Calibration = None,
-    procedure: options.ProcedureFile = None,
-    station: options.StationFile = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
-    requirement: options.RequirementFile = None,
-    mission: Annotated[Path | None, options.MISSION] = None,
-    at: options.At = None,
-    asked: options.Asked,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     compare: Annotated[
         list[str] | None,
         typer.Option(
@@ -62,15 +50,13 @@ def report(
             "(proportional).",
         ),
     ] = False,
-    full: options.Full = False,
     number: Annotated[
         str,
         typer.Option(
             metavar="TEXT", help="Number of the report, printed under its title."
         ),
     ] = "",
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    out: options.Output,
 ) -> None:
     """Write the error budget as a report: verdict first, then its basis.
 
@@ -79,16 +65,10 @@ def report(
     that change the sources.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import (
-        check_destinations,
-        command_line,
-        hand_out,
-        pages_of,
-    )
+    from budget.cli.output import check_files, command_line, hand_out, pages_of
     from budget.errors import CallError
     from budget.inputs import (
         load_all,
-        load_calibration,
         load_mission,
         load_requirement,
     )
@@ -101,27 +81,16 @@ def report(
     )
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
-    from budget.report.rendering import check_suffixes, document_date
+    from budget.report.rendering import document_date
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
 
-    check_suffixes(output, paper)
     date = document_date()
-    check_destinations(
-        json,
-        csv,
-        *output,
-        inputs=[
-            *(devices or ()),
-            *(compare or ()),
-            *options.calibration_files(calibration, procedure),
-            *(station, requirement, mission),
-        ],
-    )
+    check_files(out, inputs, devices, more=compare or ())
     _check_extras(
-        requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
+        inputs, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
-    if at and mission is None:
+    if inputs.at and inputs.mission is None:
         raise CallError("--at is a time of a mission: name one with --mission")
     if allocate and asked.missing != "refuse":
         raise CallError(
@@ -129,22 +98,17 @@ def report(
             f"{asked.missing} puts others beside them: one report would hold two "
             "budgets; write two"
         )
-    loaded = options.load_devices(devices, changes)
-    wanted = None if requirement is None else load_requirement(requirement)
-    route = None if mission is None else load_mission(mission)
-    how, of_mission = _calibrations(
-        partial(load_calibration, station=station, age=age, environment=environment),
-        calibration,
-        procedure,
-        mission=route,
-        requirement=wanted,
-    )
-    times = () if route is None else choose_times(route, at or (), wanted)
+    loaded = options.load_devices(devices, inputs.changes)
+    given = inputs.requirement
+    wanted = None if given is None else load_requirement(given)
+    route = None if inputs.mission is None else load_mission(inputs.mission)
+    how, of_mission = _calibrations(inputs, mission=route, requirement=wanted)
+    times = () if route is None else choose_times(route, inputs.at, wanted)
     if wanted is not None and route is None:
         mission_for(wanted, None)
     others = load_all(compare or [])
-    settings = asked.settings(wanted)
-    with computing(workers=asked.workers, cluster=asked.cluster) as engine:
+    settings = asked.settle(wanted)
+    with computing(engine) as place:
         budget = analyze_as(
             settings,
             *loaded,
@@ -152,7 +116,7 @@ def report(
             requirement=wanted,
             mission=route,
             on_mission=of_mission,
-            engine=engine,
+            engine=place,
             command="report",
         )
         carried = None
@@ -164,7 +128,7 @@ def report(
                 requirement=wanted if wanted and MISSION in wanted.kinds else None,
                 mission=route,
                 carried_to=times,
-                engine=engine,
+                engine=place,
                 command="mission",
             )
         loaded, bare = question_of(budget).devices, loaded
@@ -173,9 +137,9 @@ def report(
             budget,
             budget.assessment,
             carried=carried,
-            full=full,
+            full=out.full,
         )
-        with speaking(language):
+        with speaking(out.language):
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),
                 *_extras(
@@ -187,12 +151,12 @@ def report(
                     missing=asked.missing,
                     with_allocation=allocate,
                     seed=settings.seed,
-                    engine=engine,
+                    engine=place,
                 ),
             )
-        show = engine.stage("figures and pages") or (lambda _, __: None)
+        show = place.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
-        with speaking(language):
+        with speaking(out.language):
             document = report_document(
                 budget,
                 devices=loaded,
@@ -210,32 +174,39 @@ def report(
                 ),
                 date=date,
                 number=number,
-                full=full,
+                full=out.full,
             )
-        files = pages_of(document, output, paper)
+        files = pages_of(document, out.output, out.paper)
         show(1, 1)
-    documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
+    documents = [(out.json, lambda: document.json), (out.csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)
 
 
 def _calibrations(
-    load: Callable[..., Procedure],
-    calibration: str | None,
-    procedure: Path | None,
-    *,
-    mission: Mission | None,
-    requirement: Requirement | None,
+    inputs: Inputs, *, mission: Mission | None, requirement: Requirement | None
 ) -> tuple[Procedure, Procedure]:
     """Return the test whose budget it is, and what calibrated the unit for a mission.
 
     The first is the paper's test where the unit on the mission is as its maker
     calibrated it, or as it was made: these have no budget of a calibration.
     """
+    from budget.inputs import load_calibration
     from budget.inputs.records import UNCALIBRATED
     from budget.inputs.use import in_use
     from budget.question import needs_test
 
-    own = load(calibration, procedure, mission=mission, requirement=requirement)
+    load = partial(
+        load_calibration,
+        station=inputs.station,
+        age=inputs.age,
+        environment=inputs.environment,
+    )
+    own = load(
+        inputs.calibration,
+        inputs.procedure,
+        mission=mission,
+        requirement=requirement,
+    )
     own = in_use(own, requirement, mission)
     if requirement is not None:
         needs_test(requirement, own)
@@ -284,7 +255,7 @@ def _mission_extra(carried: Budget) -> Extra:
 
 
 def _check_extras(
-    requirement: Path | None, *, allocate: bool, compare: bool, only: bool
+    inputs: Inputs, *, allocate: bool, compare: bool, only: bool
 ) -> None:
     """Refuse what needs limits or every source, where they are not there.
 
@@ -304,7 +275,7 @@ def _check_extras(
         )
         if asked
     ]
-    if wants and requirement is None:
+    if wants and inputs.requirement is None:
         raise CallError(f"{' and '.join(wants)}: give them with --requirement")
     if wants and only:
         raise CallError(
