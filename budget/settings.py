@@ -97,7 +97,11 @@ def setting(
 
 
 @cache
-def rows(kind: type, job: str, where: str = "") -> dict[str, Row]:
+def rows(
+    kind: Any,  # noqa: ANN401 - a dataclass
+    job: str,
+    where: str = "",
+) -> dict[str, Row]:
     """Return the fields that mean something in a job, each as it is there."""
     there = {
         name: replace(row, **row.at.get(job, {}))
@@ -109,8 +113,18 @@ def rows(kind: type, job: str, where: str = "") -> dict[str, Row]:
     }
 
 
+def differing(*asked: object) -> tuple[str, ...]:
+    """Return the names of what is asked for otherwise than it usually is."""
+    return tuple(
+        name
+        for one in asked
+        for name, row in every_row(type(one)).items()
+        if getattr(one, name) != row.default
+    )
+
+
 @cache
-def every_row(kind: type) -> dict[str, Row]:
+def every_row(kind: Any) -> dict[str, Row]:  # noqa: ANN401 - a dataclass
     """Return all rows by the names of their fields, those of what it stands on too."""
     bases = [one for one in reversed(kind.__mro__) if is_dataclass(one)]
     return {
@@ -436,6 +450,36 @@ class Asked:
         panel=JUDGED,
         choices=("refuse", "worst", "typical", "predict"),
         document="missing if fills",
+    )
+
+    strategy: str | None = setting(
+        None,
+        "How limits are shared out (proportional; cost with --costs).",
+        "allocate station check",
+        said="How limits are shared out; 'proportional' without it, 'cost' where there "
+        "are costs.",
+        at={
+            "station": {
+                "help": "How figures share the limits: in equal parts, or in "
+                "proportion to the procedure's own station.",
+                "said": "How figures share the limits: in equal parts, or in "
+                "proportion to those of the procedure's own station.",
+                "choices": ("equal", "proportional"),
+                "default": "equal",
+            },
+        },
+        choices=("equal", "proportional", "cost"),
+        document="",
+    )
+    fix: Sequence[str] = setting(
+        (),
+        "Hold this specification, as gyro.bias_stability.",
+        "allocate check",
+        only=CLI,
+        metavar="SOURCE",
+        takes="source",
+        several=True,
+        document="",
     )
 
     def settle(self, requirement: Requirement | None = None) -> Settings:

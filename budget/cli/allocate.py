@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -23,27 +23,10 @@ def allocate(
     devices: options.Devices = None,
     *,
     inputs: Inputs,
-    strategy: Annotated[
-        Literal["equal", "proportional", "cost"] | None,
-        options.computed(
-            case_sensitive=False,
-            help="How limits are shared out (proportional; cost where --costs is).",
-            show_default=False,
-        ),
-    ] = None,
     costs: Annotated[
         Path | None,
         options.computed(
             metavar="FILE", help="Costs file; other specifications have a = p = 1."
-        ),
-    ] = None,
-    fix: Annotated[
-        list[str] | None,
-        options.computed(
-            metavar="SOURCE",
-            autocompletion=options.complete_source,
-            help="Hold this specification, as gyro.bias_stability; may be given again.",
-            show_default=False,
         ),
     ] = None,
     most: Annotated[
@@ -107,14 +90,13 @@ def allocate(
     loaded = options.load_devices(devices, inputs.changes)
     sensors = sensors_of(loaded)
     bounds = Bounds(
-        held=frozenset(find_sources(fix or (), source_names(sensors), option="--fix")),
+        held=frozenset(find_sources(asked.fix, source_names(sensors), option="--fix")),
         most=_values(sensors, "--max", most or []),
         least=_values(sensors, "--min", least or []),
     )
     with computing(Engine()) as engine:
         allocation = run(
             *loaded,
-            strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,
             market=market,

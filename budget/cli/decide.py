@@ -68,9 +68,7 @@ def decide(
         found = run(
             loaded,
             inputs.procedures,
-            inputs=replace(
-                inputs, requirement=wanted, catalogue=load_catalogue()
-            ),
+            inputs=replace(inputs, requirement=wanted, catalogue=load_catalogue()),
             asked=asked,
             engine=place,
         )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Inputs, differing
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,13 +61,11 @@ def diff(
     check_files(out, inputs, (first, second))
     stored = [_reference(name) for name in (first, second)]
     given = Stored.of(asked, inputs)
-    own = (inputs.procedure, inputs.station, inputs.mission, inputs.calibration)
-    if any(stored) and (any(own) or given != Stored()):
+    own = [f"--{name}" for name in differing(asked, inputs) if name != "changes"]
+    if any(stored) and own:
         raise CallError(
-            "a reference has its own files and settings, and a device beside it takes "
-            "them; leave "
-            + ", ".join(f"--{name}" for name in _OWN)
-            + " out"
+            "a reference has its own procedure, mission and settings, and a device "
+            f"beside it takes them; leave {' and '.join(own)} out"
         )
     model = next((one for one in stored if one is not None), None)
     job = JOBS[inputs.mission is not None] if model is None else model.job
@@ -112,8 +111,9 @@ def _inputs(
     name: str, model: ReferenceBudget | None, inputs: Inputs
 ) -> tuple[StoredInput, ...]:
     """Return a device, and what it is calibrated with."""
+    from budget.cli.check import take_all
     from budget.errors import CallError
-    from budget.references.files import take, take_files
+    from budget.references.files import take
 
     if model is not None and model.job not in JOBS:
         raise CallError(
@@ -121,10 +121,12 @@ def _inputs(
             "give two references of that kind, or one of kind analyze or mission"
         )
     # Nothing is stored, so paths do not matter.
-    device = take("device", name)
     if model is None:
-        return (device, *take_files(inputs))
-    return (device, *(one for one in model.inputs if one.role != "device"))
+        return take_all([name], inputs)
+    return (
+        take("device", name),
+        *(one for one in model.inputs if one.role != "device"),
+    )
 
 
 def _changed(

@@ -181,7 +181,7 @@ Grades = Annotated[
     ),
 ]
 _PAGES = "mission report compare decide allocate station check paper"
-_PRINTING = f"analyze {_PAGES} export diff devices validate"
+_PRINTING = f"analyze {_PAGES} export diff devices"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,7 +229,7 @@ class Output:
     templates: Path | None = setting(
         None,
         "Folder with templates, style sheet and letterhead of your own.",
-        _PRINTING,
+        f"{_PRINTING} validate",
         panel=GOES,
         metavar="DIR",
         takes="folder",

@@ -254,9 +254,7 @@ def _mission_extra(carried: Budget) -> Extra:
     )
 
 
-def _check_extras(
-    inputs: Inputs, *, allocate: bool, compare: bool, only: bool
-) -> None:
+def _check_extras(inputs: Inputs, *, allocate: bool, compare: bool, only: bool) -> None:
     """Refuse what needs limits or every source, where they are not there.
 
     Raises

@@ -6,12 +6,12 @@ import re
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from budget.cli import options
-from budget.settings import Inputs
+from budget.settings import Asked, Inputs
 
 _NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
 _RATIO = re.compile(rf"({_NUMBER})(?: *: *1)?")
@@ -53,6 +53,7 @@ def station(
     devices: options.Devices = None,
     *,
     inputs: Inputs,
+    asked: Asked,
     ratio: Annotated[
         float | None,
         options.judged(
@@ -72,14 +73,6 @@ def station(
             show_default=False,
         ),
     ] = None,
-    strategy: Annotated[
-        Literal["equal", "proportional"],
-        options.computed(
-            case_sensitive=False,
-            help="How figures share the limits: in equal parts, or in proportion to "
-            "the procedure's own station.",
-        ),
-    ] = "equal",
     stations: Annotated[
         list[Path] | None,
         options.judged(
@@ -126,9 +119,9 @@ def station(
         *options.load_devices(devices, inputs.changes),
         ratio=RATIO if ratio is None else ratio,
         guard=GUARD if guard is None else guard,
-        strategy=strategy,
         stations=(*load_stations(), *more),
         inputs=inputs,
+        asked=asked,
     )
     written = {} if write is None else {write: station_yaml(found)}
     make = partial(station_document, found)
