@@ -7,10 +7,11 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
+import numpy as np
+
 from budget.aiding import problem_of_mission
 from budget.calibration.aiding import lines_of_mission
 from budget.calibration.derived import (
-    combination,
     known_outputs,
     outputs_for,
     parts_of,
@@ -26,21 +27,28 @@ from budget.calibration.schemes import (
     NORM,
     WEIGHTED,
     calibrates,
-    estimated,
     initial_lines,
+    is_beside,
     noise_of,
     with_accelerometers,
 )
 from budget.errors import CallError, UnitError
 from budget.inputs import load_procedure
 from budget.inputs.mission import MOST_TIMES
-from budget.inputs.records import UNCALIBRATED, Device
+from budget.inputs.records import JOINT, UNCALIBRATED, Device
+from budget.inputs.use import in_use
 from budget.methods.gum import propagate
-from budget.missing import Filling
-from budget.missing.expected import expecting, lacking, lacking_of_mission
+from budget.missing import REFUSE, Filling, fill_all
+from budget.missing.expected import (
+    expecting,
+    expecting_device,
+    lacking,
+    lacking_of_mission,
+)
 from budget.model.sources import (
     ACCELEROMETER,
     ENVIRONMENT,
+    GYRO,
     SENSORS,
     STATION,
     lines_of,
@@ -60,7 +68,9 @@ from budget.settings import Asked, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+    from collections.abc import Container, Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.inputs.records import (
@@ -71,7 +81,7 @@ if TYPE_CHECKING:
         Sensor,
     )
     from budget.methods.gum import Propagation
-    from budget.problem import Problem
+    from budget.problem import Output, Problem
     from budget.results import Budget
 
 SHARED = (STATION, ENVIRONMENT)  # what all triads share
@@ -81,11 +91,65 @@ SAME_TIME = 1e-9  # relative; of two times that are one [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Question:
-    """Devices under a procedure, and what their errors are counted from.
+class Limited:
+    """A Problem, and limits on some of its outputs."""
 
-    The Problem and its law are made when they are first asked for, once: whatever
-    looks at the same calibration is given this.
+    problem: Problem
+    # Required outputs among those of the Problem, shape (n_required,).
+    rows: NDArray[np.intp]
+    limits: Array  # on their absolute errors, shape (n_required,) [SI]
+    coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
+    printed: tuple[str, ...]  # the limits as the requirement file gives them
+    usual: float  # the requirement's coverage, of limits without their own [1]
+    # Parameters with a limit that the calibration does not estimate.
+    absent: tuple[Name, ...] = ()
+    is_joint: bool = False  # whether all limits are to be kept together
+
+    @classmethod
+    def of(cls, problem: Problem, requirement: Requirement) -> Self | None:
+        """Put the limits of a requirement on a Problem; None where it has none."""
+        places = {output.name: row for row, output in enumerate(problem.outputs)}
+        required = [one for one in requirement.limits if one.output in places]
+        if not required:
+            return None
+        owners = {name.owner for name in places}
+        return cls(
+            problem=problem,
+            rows=np.array([places[limit.output] for limit in required]),
+            limits=np.array([limit.limit for limit in required]),
+            coverage=np.array([requirement.coverage_of(limit) for limit in required]),
+            printed=tuple(limit.printed for limit in required),
+            usual=requirement.coverage,
+            is_joint=requirement.decision == JOINT,
+            absent=tuple(
+                name
+                for name in requirement.outputs
+                if name not in places and name.owner in owners
+            ),
+        )
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """The required outputs."""
+        return tuple(self.problem.outputs[row] for row in self.rows)
+
+    @property
+    def every_coverage(self) -> Array:
+        """Coverages of all outputs of the Problem, shape (n_out,) [1].
+
+        What is not required has that of the first that is.
+        """
+        found = np.full(len(self.problem.outputs), self.coverage[0])
+        found[self.rows] = self.coverage
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Question:
+    """Devices under a procedure, maybe on a mission, and what their errors are held to.
+
+    Its Problem, law and limits are made when they are first asked for, once: whatever
+    looks at the same calibration is given this, or what `alone` and `under` return.
     """
 
     devices: tuple[Device, ...]  # together at most one gyro and one accelerometer
@@ -108,6 +172,10 @@ class Question:
     on_mission: Procedure | None = None
     # Devices that are comparable; None: those that ship.
     catalogue: tuple[Device, ...] | None = None
+    # The devices as their data sheets leave them; None: as they are.
+    given: tuple[Device, ...] | None = None
+    # Whose unit the filter of the mission is made for; None: this one.
+    designed: Question | None = None
 
     @classmethod
     def of(
@@ -115,50 +183,157 @@ class Question:
         *devices: Device,
         procedure: Procedure | None = None,
         requirement: Requirement | None = None,
+        mission: Mission | None = None,
+        carried_to: tuple[float, ...] | None = None,
+        on_mission: Procedure | None = None,
         coverage: float | None = None,
         reference: str | None = None,
         only: Sequence[str] = (),
         outputs: Sequence[str] = (),
+        missing: str = REFUSE,
+        catalogue: Sequence[Device] | None = None,
     ) -> Self:
         """Put together what a caller asks for; without an option its usual value.
+
+        The procedure is put in its use, what its data sheets do not give is expected
+        and filled, names are resolved.
 
         Raises
         ------
         CallError
             Options or devices that do not fit together.
         """
-        procedure = load_procedure(None) if procedure is None else procedure
-        settings = Asked(coverage=coverage, reference=reference).settle(requirement)
-        check("analyze", settings)
-        chosen, _ = choose_sources(sensors_of(devices, procedure), procedure, only)
-        return cls(
-            devices=devices,
-            procedure=procedure,
-            coverage=settings.coverage,
-            reference=settings.reference,
-            only=chosen,
+        basis = Asked(coverage=coverage, reference=reference).settle(requirement)
+        check("analyze", basis)
+        how = load_procedure(None) if procedure is None else procedure
+        how = in_use(how, requirement, mission)
+        is_carried = carried_to is not None
+        check_there(devices, None if is_carried else how)
+        found, filling, given = devices, Filling(), None
+        if missing != REFUSE:
+            given = tuple(
+                expecting_device(one, how, basis.reference, every=is_carried)
+                for one in devices
+            )
+            found, filling = fill_all(given, missing, catalogue)
+        asked = cls(
+            devices=found,
+            procedure=how,
+            coverage=basis.coverage,
+            reference=basis.reference,
             requirement=requirement,
-            asked=choose_outputs(devices, procedure, outputs),
+            filling=filling,
+            mission=mission,
+            carried_to=carried_to,
+            on_mission=on_mission,
+            catalogue=None if catalogue is None else tuple(catalogue),
+            given=given,
+        )
+        return replace(
+            asked,
+            only=choose_sources(asked, only),
+            asked=None if is_carried else choose_outputs(asked, outputs),
         )
 
-    def alone(self, owner: str) -> Self:
+    def alone(self, owner: str) -> Question:
         """Return the same of one triad, as if the other were not there.
 
         Of what belongs to both, IMU: the two, with nothing of either alone.
         """
-        if owner == IMU:
-            known = known_outputs([one.kind for one in self.sensors], self.procedure)
-            of_both = tuple(name for name in known if name.owner == IMU)
-            return replace(self, requirement=None, asked=of_both)
+        if owner not in self._made:
+            self._made[owner] = self._alone(owner)
+        return self._made[owner]
+
+    def _alone(self, owner: str) -> Question:
+        """Return it of one owner of outputs."""
         if owner == MISSION:
             how = self.on_mission or self.procedure
             return replace(self, procedure=how, asked=None, carried_to=())
-        return replace(self, kinds=(owner,), asked=None)
+        if owner != IMU:
+            return replace(self, kinds=(owner,), asked=None)
+        known = known_outputs([one.kind for one in self.sensors], self.procedure)
+        wanted = self.requirement
+        if wanted is not None:
+            limits = tuple(one for one in wanted.limits if one.output.owner == IMU)
+            wanted = replace(wanted, limits=limits)
+        of_both = tuple(name for name in known if name.owner == IMU)
+        return replace(self, requirement=wanted, asked=of_both)
+
+    @cached_property
+    def _made(self) -> dict[object, Question]:
+        """What it was asked to be of: by owner, by procedure."""
+        return {}
+
+    def under(self, procedure: Procedure) -> Question:
+        """Return the same after another calibration, or in another use."""
+        if procedure is self.procedure:
+            return self
+        if procedure not in self._made:
+            self._made[procedure] = replace(self, procedure=procedure)
+        return self._made[procedure]
+
+    def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
+        """Return the same of other triads, in the place of those of their kinds."""
+        found = {one.kind: one for one in sensors}
+        devices = tuple(
+            replace(
+                device,
+                gyro=device.gyro and found.get(GYRO, device.gyro),
+                accelerometer=device.accelerometer
+                and found.get(ACCELEROMETER, device.accelerometer),
+            )
+            for device in self.devices
+        )
+        return replace(self, devices=devices)
+
+    def with_lines(
+        self, lines: Mapping[Name, ErrorLine], *, less: Sequence[str] = ()
+    ) -> Question:
+        """Return the same with more lines in its triads, and `less` some.
+
+        A filter keeps the gains that it has by what is given: nobody told it more.
+        """
+        whole = self.with_sensors(
+            one.with_lines(
+                (
+                    *(x for x in (*one.lines, *one.initial) if x.name not in less),
+                    *(line for name, line in lines.items() if name.owner == one.kind),
+                )
+            )
+            for device in self.devices
+            for one in device.sensors
+        )
+        return replace(whole, designed=self.designed or self)
+
+    @property
+    def wanted(self) -> Requirement:
+        """The limits.
+
+        Raises
+        ------
+        ValueError
+            There are none.
+        """
+        if self.requirement is None:
+            raise ValueError("no limits were asked for")
+        return self.requirement
 
     @property
     def journey(self) -> Mission | None:
         """The mission that it is of; None of a calibration."""
         return None if self.carried_to is None else self.mission
+
+    @property
+    def owner(self) -> str:
+        """Owner of the outputs: a triad, what belongs to both, or the mission."""
+        if self.journey is not None:
+            return MISSION
+        return IMU if len(self.sensors) > 1 else self.sensors[0].kind
+
+    @property
+    def is_later(self) -> bool:
+        """Whether it is of a use, so that its environment and its age count."""
+        return self.journey is not None or self.reference == ON_MISSION
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -179,6 +354,36 @@ class Question:
         )
 
     @cached_property
+    def there(self) -> tuple[Sensor, ...]:
+        """The triads, and those that a calibration of them rests on."""
+        if self.journey is not None:
+            return self.sensors
+        return with_accelerometers(self.sensors, self.procedure)
+
+    @property
+    def has_lines(self) -> bool:
+        """Whether any error line is given."""
+        return any(sensor.lines for sensor in self.sensors)
+
+    @property
+    def missing(self) -> tuple[Name, ...]:
+        """Expected lines that are not given and nothing stands for, of all `there`."""
+        return tuple(name for sensor in self.there for name in sensor.expected_missing)
+
+    @cached_property
+    def lines(self) -> dict[Name, ErrorLine]:
+        """Every line that counts: of all `there`, of station and environment, of aids.
+
+        On a mission those of what is held from its making, too.
+        """
+        return given_lines(
+            self.there,
+            self.procedure,
+            every=self.journey is not None,
+            mission=self.journey,
+        )
+
+    @cached_property
     def filled(self) -> Filling:
         """What stands for lines of the triads, and of those that they rest on."""
         there = {one.kind for one in with_accelerometers(self.sensors, self.procedure)}
@@ -186,16 +391,41 @@ class Question:
         names = (*(line.expected for line in filling.lines), *filling.left)
         return filling.of([name for name in names if name.owner in there])
 
+    @property
+    def bare(self) -> Question:
+        """The same with the devices as their data sheets leave them."""
+        if self.given is None:
+            return self
+        return replace(self, devices=self.given, given=None, filling=Filling())
+
+    @cached_property
+    def limited(self) -> tuple[str, ...]:
+        """Owners of what has limits and can be judged: triads, both, the mission."""
+        wanted = () if self.requirement is None else self.requirement.outputs
+        found: dict[str, None] = {}
+        if self.journey is None:
+            kinds = [sensor.kind for sensor in self.sensors]
+            known = known_outputs(kinds, self.procedure)
+            first = self.sensors[0]
+            if is_beside(self.procedure) and first.kind == GYRO and not first.beside:
+                known = ()  # a gyro is found beside accelerometers
+            found = dict.fromkeys(name.owner for name in known if name in wanted)
+        if self.mission is not None and any(x.owner == MISSION for x in wanted):
+            found[MISSION] = None
+        return tuple(found)
+
     @cached_property
     def problem(self) -> Problem:
         """Inputs, measurement function and outputs of calibration or mission."""
         if self.journey is not None:
+            known = self.designed or self
             return problem_of_mission(
                 self.sensors,
                 self.procedure,
                 self.journey,
                 self.outputs or (),
                 only=self.only,
+                designed=(known.sensors, known.procedure),
             )
         return calibration_problem(
             self.sensors,
@@ -204,6 +434,13 @@ class Question:
             only=self.only,
             outputs=self.outputs,
         )
+
+    @cached_property
+    def held(self) -> Limited | None:
+        """Its Problem with the limits on it; None where it has none."""
+        if self.requirement is None:
+            return None
+        return Limited.of(self.problem, self.requirement)
 
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:
@@ -220,26 +457,6 @@ class Question:
             limited,
             self.asked,
         )
-
-    @cached_property
-    def derive(self) -> Callable[[Array], Array]:
-        """What makes outputs of errors of the parameters, both of shape (n, runs) [SI].
-
-        Raises
-        ------
-        CallError
-            They are of a mission, in which errors of parameters are not all.
-        """
-        if self.journey is not None:
-            raise CallError(
-                "--method simulation simulates the calibration, and a mission takes "
-                "its noise in run besides; take gum or monte-carlo"
-            )
-        if self.outputs is None:
-            return lambda errors: errors
-        kinds = [sensor.kind for sensor in self.sensors]
-        names = [name for kind in kinds for name in estimated(kind, self.procedure)]
-        return combination(names, self.outputs)
 
     @cached_property
     def law(self) -> Propagation:
@@ -327,6 +544,16 @@ def sensors_of(
             "(use: both), or give another device"
         )
     return kept
+
+
+def check_there(devices: Sequence[Device], procedure: Procedure | None) -> None:
+    """Refuse devices that do not go together, under a procedure or on a mission.
+
+    Raises
+    ------
+    CallError
+    """
+    navigating(devices) if procedure is None else sensors_of(devices, procedure)
 
 
 def navigating(devices: Sequence[Device]) -> tuple[Sensor, ...]:
@@ -572,9 +799,7 @@ def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, 
     )
 
 
-def choose_outputs(
-    devices: Sequence[Device], procedure: Procedure, texts: Sequence[str]
-) -> tuple[Name, ...] | None:
+def choose_outputs(question: Question, texts: Sequence[str]) -> tuple[Name, ...] | None:
     """Resolve the names after `--outputs`: of a group, one of its axes, in any triad.
 
     Returns
@@ -592,7 +817,8 @@ def choose_outputs(
         return None
     if isinstance(texts, str):  # one name, not a sequence of letters
         texts = (texts,)
-    kinds = [sensor.kind for sensor in sensors_of(devices, procedure)]
+    procedure = question.procedure
+    kinds = [sensor.kind for sensor in question.sensors]
     known = known_outputs(kinds, procedure)
     chosen: set[Name] = set()
     faults = []
@@ -725,20 +951,8 @@ def read_name(text: str) -> Name:
     return next((name for name in known if name == text), Name(text))
 
 
-def choose_sources(
-    sensors: Sequence[Sensor],
-    procedure: Procedure,
-    only: Sequence[str],
-    mission: Mission | None = None,
-) -> tuple[frozenset[Name] | None, tuple[str, ...]]:
-    """Resolve the names after `--only`.
-
-    Returns
-    -------
-    frozenset of Name or None
-        None where nothing was chosen, so that everything counts.
-    tuple of str
-        Warnings about lines that a device does not give.
+def choose_sources(question: Question, only: Sequence[str]) -> frozenset[Name] | None:
+    """Resolve the names after `--only`; None where nothing is, so that all count.
 
     Raises
     ------
@@ -746,19 +960,25 @@ def choose_sources(
         A name is no source of these sensors.
     """
     if not only:
-        return None, ()
+        return None
     if isinstance(only, str):  # one name, not a sequence of letters
         only = (only,)
-    is_known = any(line.course for line in procedure.environment)
+    is_known = any(line.course for line in question.procedure.environment)
     known = (
         *(
             name
-            for name in source_names(sensors, procedure)
+            for name in source_names(question.sensors, question.procedure)
             if is_known or source_of(name.owner, name.quantity).varies
         ),
-        *lines_of_mission(mission),
+        *lines_of_mission(question.journey),
     )
-    chosen = frozenset(find_sources(only, known, option="--only"))
-    given = given_lines(sensors, procedure, mission=mission)
-    absent = sorted(chosen - given.keys())
-    return chosen, tuple(sentence("cautions.asked_alone", name=name) for name in absent)
+    return frozenset(find_sources(only, known, option="--only"))
+
+
+def asked_alone(question: Question) -> tuple[str, ...]:
+    """Say which of the sources that alone count the data sheet does not give."""
+    given = given_lines(question.sensors, question.procedure, mission=question.journey)
+    return tuple(
+        sentence("cautions.asked_alone", name=name)
+        for name in sorted((question.only or frozenset()) - given.keys())
+    )

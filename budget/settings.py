@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from decimal import Decimal
 from difflib import get_close_matches
-from functools import cache, partial, wraps
+from functools import partial, wraps
 from inspect import Parameter, Signature, cleandoc, signature
 from numbers import Integral, Real
 from textwrap import fill, indent
@@ -96,15 +96,10 @@ def setting(
     return field(default=default, metadata={"row": made})
 
 
-@cache
-def rows(
-    kind: Any,  # noqa: ANN401 - a dataclass
-    job: str,
-    where: str = "",
-) -> dict[str, Row]:
+def rows(kind: type, job: str, where: str = "") -> dict[str, Row]:
     """Return the fields that mean something in a job, each as it is there."""
     there = {
-        name: replace(row, **row.at.get(job, {}))
+        name: replace(row, **_other(row, row.at[job])) if job in row.at else row
         for name, row in every_row(kind).items()
         if job in row.jobs
     }
@@ -123,16 +118,26 @@ def differing(*asked: object) -> tuple[str, ...]:
     )
 
 
-@cache
-def every_row(kind: Any) -> dict[str, Row]:  # noqa: ANN401 - a dataclass
+_KNOWN: dict[type, dict[str, Row]] = {}
+
+
+def every_row(kind: type) -> dict[str, Row]:
     """Return all rows by the names of their fields, those of what it stands on too."""
-    bases = [one for one in reversed(kind.__mro__) if is_dataclass(one)]
-    return {
-        one.name: replace(one.metadata["row"], type=str(one.type))
-        for base in bases
-        for one in fields(base)
-        if "row" in one.metadata
-    }
+    if kind not in _KNOWN:
+        bases: list[Any] = [one for one in kind.__mro__[::-1] if is_dataclass(one)]
+        _KNOWN[kind] = {
+            one.name: replace(one.metadata["row"], type=str(one.type))
+            for base in bases
+            for one in fields(base)
+            if "row" in one.metadata
+        }
+    return _KNOWN[kind]
+
+
+def _other(row: Row, there: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is other in a job; other words beside the option are those of both."""
+    said = "" if "help" in there else row.said
+    return {"said": said, **there}
 
 
 def ask(kind: type[T], job: str, given: Mapping[str, Any]) -> T:
@@ -444,7 +449,7 @@ class Asked:
         "What stands for expected specifications not given: nothing, the worst or the "
         "median of comparable devices, or a distribution predicted from them. Exit "
         "codes go by refuse.",
-        "analyze mission report compare decide export check",
+        "analyze mission report compare decide export check diff",
         said="What stands for expected lines that are not given: nothing, the worst or "
         "the median of comparable devices, or a distribution predicted from them.",
         panel=JUDGED,
@@ -639,11 +644,10 @@ class Inputs(Use):
     requirement: Requirement | File | None = setting(
         None,
         "Requirement file; its coverage and error reference rule.",
-        f"{_JUDGING} station sweep check",
+        "analyze mission report compare allocate station sweep check",
         said="What it is judged against; its coverage and error reference rule.",
         at={
             "compare": {"only": CLI, "needed": True},
-            "decide": {"only": LIBRARY, "needed": True},
             "allocate": {"needed": True},
             "station": {"needed": True},
         },
@@ -727,6 +731,43 @@ class Inputs(Use):
         "analyze compare decide allocate export",
         only=LIBRARY,
     )
+
+    @property
+    def required(self) -> Any:  # noqa: ANN401 - as the job has it
+        """The requirement, loaded; None where none is given."""
+        from budget.inputs import load_requirement
+
+        return None if self.requirement is None else load_requirement(self.requirement)
+
+    @property
+    def journey(self) -> Mission | None:
+        """The mission, loaded; None where none is given."""
+        from budget.inputs import load_mission
+
+        return None if self.mission is None else load_mission(self.mission)
+
+    def calibrated(
+        self,
+        *,
+        mission: Mission | None = None,
+        requirement: Requirement | None = None,
+        by: Procedure | File | None = None,
+    ) -> Procedure:
+        """Load what calibrated the unit, for a mission and limits; `by` one of several.
+
+        Raises as load_calibration.
+        """
+        from budget.inputs import load_calibration
+
+        return load_calibration(
+            self.calibration,
+            self.procedure if by is None else by,
+            station=self.station,
+            age=self.age,
+            environment=self.environment,
+            mission=mission,
+            requirement=requirement,
+        )
 
     @property
     def files(self) -> list[Any]:

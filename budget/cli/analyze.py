@@ -51,16 +51,13 @@ def compute(
     """Load what is named and compute its budget, of a mission where there is one."""
     from budget.cli.computing import computing
     from budget.cli.output import check_files
-    from budget.inputs import load_requirement
     from budget.question import limits_on_mission
     from budget.studies.analysis import analyze as run
 
     check_files(out, inputs, devices)
     loaded = options.load_devices(devices, inputs.changes)
-    if inputs.requirement is not None:
-        wanted = load_requirement(inputs.requirement)
-        if inputs.mission is not None:
-            limits_on_mission(wanted)
-        inputs = replace(inputs, requirement=wanted)
+    inputs = replace(inputs, requirement=inputs.required)
+    if inputs.mission is not None and inputs.requirement is not None:
+        limits_on_mission(inputs.required)
     with computing(engine) as found:
         return run(*loaded, inputs=inputs, asked=asked, engine=found, command=command)

@@ -275,7 +275,7 @@ def _own_templates(context: typer.Context, folder: Path | None) -> Path | None:
 
 
 # What is done as soon as an option is read; of a folder, before others are.
-_AT_ONCE = {
+_AT_ONCE: dict[str, Callable[..., Any]] = {
     "workers": _processes,
     "output": _with_room,
     "templates": _own_templates,
@@ -300,7 +300,7 @@ def asking(job: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
 def _spelled_out(command: Callable[..., None], *, job: str) -> Callable[..., None]:
     """Return a command whose signature has the options of its records."""
     own = signature(command, eval_str=True)
-    records = {
+    records: dict[str, Any] = {
         one.name: one.annotation
         for one in own.parameters.values()
         if is_dataclass(one.annotation)

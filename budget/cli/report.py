@@ -69,8 +69,6 @@ def report(
     from budget.errors import CallError
     from budget.inputs import (
         load_all,
-        load_mission,
-        load_requirement,
     )
     from budget.language import speaking
     from budget.names import MISSION
@@ -99,9 +97,7 @@ def report(
             "budgets; write two"
         )
     loaded = options.load_devices(devices, inputs.changes)
-    given = inputs.requirement
-    wanted = None if given is None else load_requirement(given)
-    route = None if inputs.mission is None else load_mission(inputs.mission)
+    wanted, route = inputs.required, inputs.journey
     how, of_mission = _calibrations(inputs, mission=route, requirement=wanted)
     times = () if route is None else choose_times(route, inputs.at, wanted)
     if wanted is not None and route is None:

@@ -298,6 +298,9 @@ def in_use(
             refuse_two(other, where, line, file.origin.file if file else "")
             stated[line.name] = line, file.origin.file if file else ""
             new[line.name] = line
+    there = {id(line) for line in procedure.environment}
+    if {id(line) for line in new.values()} <= there:
+        return procedure
     return with_use(procedure, new.values())
 
 

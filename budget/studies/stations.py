@@ -44,20 +44,17 @@ from budget.distributions import NORMAL, normal_coverage_factor
 from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import (
-    load_calibration,
     load_devices,
-    load_requirement,
     load_station,
     load_stations,
 )
 from budget.inputs.records import UNCALIBRATED, ErrorLine
 from budget.inputs.station import IDEAL, at_station
-from budget.inputs.use import in_use, of_the_test
+from budget.inputs.use import of_the_test
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
-from budget.missing.expected import expecting
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -68,11 +65,12 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.question import given_lines, not_weighted, sensors_of
+from budget.question import Question, given_lines, not_weighted
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import sentence
+from budget.settings import Asked, Inputs, asking
 from budget.studies.blunders import against_limits
-from budget.studies.verdicts import Case, stand
+from budget.studies.verdicts import stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
 
@@ -362,16 +360,13 @@ class Qualification(Tabled):
         return tuple(one for one in self.stations if one.verdict == DOES)
 
 
+@asking("station")
 def qualify(
     *devices: Device | File,
-    requirement: Requirement | File,
-    procedure: Procedure | File | None = None,
-    calibration: Procedure | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
+    inputs: Inputs,
+    asked: Asked,
     ratio: float = RATIO,
     guard: float = GUARD,
-    strategy: str | None = None,
     stations: Sequence[Station | File] | None = None,
 ) -> Qualification:
     """Say how good each figure of a test station must be, and which station does.
@@ -380,21 +375,10 @@ def qualify(
     ----------
     *devices : Device
         What is calibrated; together at most one gyro and one accelerometer.
-    requirement : Requirement
-        Limits, coverage and reference.
-    procedure : Procedure, optional
-        The test, at its own station if it has one; the paper's, if none is given.
-    calibration : Procedure, optional
-        In the place of `procedure`; 'none' and 'factory' have no station.
-    age, environment : optional
-        As of `load_procedure`.
     ratio : float
         R, of every limit over U of the station alone, that is asked for [1].
     guard : float
         r, guard band of the acceptance limits over U of the whole measurement [1].
-    strategy : str, optional
-        How sources share the limits: 'equal' (default), or 'proportional' to the
-        figures of the procedure's own station.
     stations : sequence of Station, optional
         Candidates; the shipped ones, if none are given.
 
@@ -407,16 +391,17 @@ def qualify(
     CallError
         Options that mean nothing, or no limit on what the test estimates.
     """
-    imus, wanted = load_devices(devices), load_requirement(requirement)
-    how = load_calibration(calibration, procedure, age=age, environment=environment)
+    imus, wanted = load_devices(devices), inputs.required
+    strategy = asked.strategy or STRATEGIES[0]
+    how = inputs.calibrated()
     if how.formulas in UNCALIBRATED:
         raise CallError(
             f"{how.name}: there is no test, so that no station is needed; give the "
             "procedure of a test"
         )
-    how = in_use(how, wanted, None)
-    _check(ratio, guard, strategy or STRATEGIES[0], how)
-    sensors = sensors_of(imus, how)
+    _check(ratio, guard, strategy, how)
+    question = Question.of(*imus, procedure=how, requirement=wanted)
+    how, sensors = question.procedure, question.sensors
     names = known_outputs([sensor.kind for sensor in sensors], how)
     limits = tuple(one for one in wanted.limits if one.output in names)
     if not limits:
@@ -456,11 +441,11 @@ def qualify(
         procedure=how,
         ratio=ratio,
         guard=guard,
-        strategy=strategy or STRATEGIES[0],
+        strategy=strategy,
         coverage=wanted.coverage,
         coverage_factor=case.k,
         reference=wanted.reference,
-        figures=_figures(case, probe, strategy or STRATEGIES[0]),
+        figures=_figures(case, probe, strategy),
         stations=verdicts,
         times=probe.times,
         assumptions=(
@@ -471,26 +456,13 @@ def qualify(
             *probe.assumed,
         ),
         warnings=(*_warnings(case, names), *against_limits(how, wanted)),
-        standings=_standings(imus, case),
+        standings=tuple(
+            (kind, standing)
+            for kind in (sensor.kind for sensor in case.sensors)
+            for standing in [stand(question.alone(kind), seed=0)]
+            if standing is not None
+        ),
     )
-
-
-def _standings(
-    devices: tuple[Device, ...], case: _Case
-) -> tuple[tuple[str, Standing], ...]:
-    """Judge each triad after the test, as every command does."""
-    found = []
-    for sensor in case.sensors:
-        one = Case(
-            devices=devices,
-            sensors=(expecting(sensor, case.procedure, case.requirement.reference),),
-            procedure=case.procedure,
-            requirement=case.requirement,
-        )
-        standing = stand(one, seed=0)
-        if standing is not None:
-            found.append((sensor.kind, standing))
-    return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
