@@ -157,7 +157,7 @@ def ask(kind: type[T], job: str, given: Mapping[str, Any]) -> T:
 
 def _many(name: str, given: Any, row: Row) -> tuple[Any, ...]:  # noqa: ANN401 - not checked
     """Return what may be given again, one alone too."""
-    if isinstance(given, str | Real):
+    if isinstance(given, str) or (row.read and isinstance(given, Real)):
         given = (given,)
     if not isinstance(given, Iterable):
         raise CallError(f"{name} is {given!r}, expected names: ['gyro.bias']")
@@ -848,9 +848,10 @@ def asking(job: str) -> Callable[[Callable[..., T]], Callable[..., T]]:
                     f"{name!r}{hint} Allowed: {', '.join(allowed)}"
                 )
             for name, row in every.items():
-                if row.needed and name not in given and not spelled.keys() & given:
-                    raise TypeError(
-                        f"{function.__name__}() missing a required argument: {name!r}"
+                is_whole = spelled.keys() & given
+                if row.needed and not is_whole and given.get(name) is None:
+                    raise CallError(
+                        f"{function.__name__}() needs {name}={row.type}; none was given"
                     )
             for name in spelled.keys() - given.keys():
                 own = {one: given.pop(one) for one in [*given] if one in found[name]}

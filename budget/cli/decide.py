@@ -67,8 +67,9 @@ def decide(
     with computing(engine) as place:
         found = run(
             loaded,
+            wanted,
             inputs.procedures,
-            inputs=replace(inputs, requirement=wanted, catalogue=load_catalogue()),
+            inputs=replace(inputs, catalogue=load_catalogue()),
             asked=asked,
             engine=place,
         )
