@@ -135,7 +135,7 @@ def every_row(kind: type) -> dict[str, Row]:
 
 
 def _other(row: Row, there: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is other in a job; other words beside the option are those of both."""
+    """Return what is other in a job; other words of an option are those of both."""
     said = "" if "help" in there else row.said
     return {"said": said, **there}
 
@@ -455,6 +455,7 @@ class Asked:
         panel=JUDGED,
         choices=("refuse", "worst", "typical", "predict"),
         document="missing if fills",
+        has_line=True,
     )
 
     strategy: str | None = setting(
@@ -574,6 +575,17 @@ def stage(progress: Progress | None, what: str) -> Stage | None:
 def fills(asked: Asked) -> bool:
     """Whether anything stands for expected lines that are not given."""
     return asked.missing != "refuse"
+
+
+def further(settings: Settings) -> dict[str, str]:
+    """Return what tables have no words of their own for, where it is not as usual."""
+    return {
+        name: str(getattr(settings, name))
+        for name, row in every_row(Asked).items()
+        if row.document != ""
+        and not row.has_line
+        and getattr(settings, name) != row.default
+    }
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -51,7 +51,6 @@ def devices(
         hand_out(
             [(out.json, lambda: json_of(every, "device_list"))],
             lambda: list_sections(every),
-            language=out.language,
         )
         return
     found = load_changed([name], inputs.changes, variants=True)
@@ -59,5 +58,4 @@ def devices(
     hand_out(
         [(out.json, lambda: json_of(*shown))],
         lambda: chain.from_iterable(map(device_sections, found)),
-        language=out.language,
     )

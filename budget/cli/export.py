@@ -166,10 +166,4 @@ def export(
         hand_out([*documents, (options.STDOUT, lambda: write_export(found))])
         return
     pages = {} if output is None else {output: write_export(found)}
-    hand_out(
-        documents,
-        lambda: export_answer(found),
-        title=found.title,
-        pages=pages,
-        language=out.language,
-    )
+    hand_out(documents, lambda: export_answer(found), title=found.title, pages=pages)

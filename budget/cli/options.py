@@ -181,7 +181,6 @@ Grades = Annotated[
     ),
 ]
 _PAGES = "mission report compare decide allocate station check paper"
-_PRINTING = f"analyze {_PAGES} export diff devices"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,7 +228,7 @@ class Output:
     templates: Path | None = setting(
         None,
         "Folder with templates, style sheet and letterhead of your own.",
-        f"{_PRINTING} validate",
+        f"analyze {_PAGES} export diff devices validate",
         panel=GOES,
         metavar="DIR",
         takes="folder",
@@ -237,7 +236,7 @@ class Output:
     language: str = setting(
         ENGLISH,
         "Language of results and pages: English, or Chinese.",
-        _PRINTING,
+        f"analyze {_PAGES} diff",
         panel=GOES,
         choices=LANGUAGES,
     )
