@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
@@ -25,15 +26,16 @@ from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
     NORM,
-    WEIGHTED,
     calibrates,
     initial_lines,
     is_beside,
-    noise_of,
     with_accelerometers,
 )
 from budget.errors import CallError, UnitError
-from budget.inputs import load_procedure
+from budget.inputs import (
+    load_devices,
+    load_procedure,
+)
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import JOINT, UNCALIBRATED, Device
 from budget.inputs.use import in_use
@@ -63,16 +65,16 @@ from budget.names import (
     meant,
     time_text,
 )
-from budget.sentences import sentence
-from budget.settings import Asked, check
+from budget.settings import Asked, Inputs, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Container, Hashable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.files import File
     from budget.inputs.records import (
         ErrorLine,
         Mission,
@@ -203,19 +205,35 @@ class Question:
         CallError
             Options or devices that do not fit together.
         """
+        is_carried = carried_to is not None
+        if is_carried:
+            reference = _after_a_turn_on(reference, requirement)
         basis = Asked(coverage=coverage, reference=reference).settle(requirement)
         check("analyze", basis)
         how = load_procedure(None) if procedure is None else procedure
+        if on_mission is not None:
+            is_same = on_mission is how
+            on_mission = None if is_same else in_use(on_mission, requirement, mission)
         how = in_use(how, requirement, mission)
-        is_carried = carried_to is not None
-        check_there(devices, None if is_carried else how)
+        if is_carried and outputs:
+            raise CallError(
+                "outputs and matrices are of a calibration, and this is of a mission, "
+                "which has neither; leave --outputs and --matrices out"
+            )
+        if not is_carried and how.formulas in UNCALIBRATED:
+            raise CallError(
+                f"{how.name}: there is no test whose budget this could be; give a "
+                "procedure, or a mission, on which such a unit has errors"
+            )
+        navigating(devices) if is_carried else sensors_of(devices, how)
         found, filling, given = devices, Filling(), None
         if missing != REFUSE:
-            given = tuple(
+            given = devices
+            expected = [
                 expecting_device(one, how, basis.reference, every=is_carried)
                 for one in devices
-            )
-            found, filling = fill_all(given, missing, catalogue)
+            ]
+            found, filling = fill_all(expected, missing, catalogue)
         asked = cls(
             devices=found,
             procedure=how,
@@ -235,14 +253,65 @@ class Question:
             asked=None if is_carried else choose_outputs(asked, outputs),
         )
 
+    @classmethod
+    def load(
+        cls,
+        *devices: Device | File,
+        inputs: Inputs,
+        asked: Asked | None = None,
+    ) -> Self:
+        """Read what a caller names, and put it together: the way to every study.
+
+        With a mission it is of that; `at` are times [s], those of its file without.
+
+        Raises
+        ------
+        CallError
+            Options or devices that do not fit together.
+        SpecError
+            A file is not sound.
+        """
+        wanted, route = inputs.required, inputs.journey
+        if route is None and inputs.at:
+            raise CallError(
+                f"at is {inputs.at!r}, the times of a mission; give mission=, too"
+            )
+        asked = Asked() if asked is None else asked
+        named = asked.settle()
+        return cls.of(
+            *load_devices(devices),
+            procedure=inputs.calibrated(mission=route, requirement=wanted),
+            requirement=wanted,
+            mission=route,
+            carried_to=None
+            if route is None
+            else choose_times(route, inputs.at, wanted),
+            coverage=asked.coverage,
+            reference=asked.reference,
+            only=named.only,
+            outputs=named.outputs,
+            missing=asked.missing,
+            catalogue=inputs.catalogue,
+        )
+
+    def whole(self) -> Self:
+        """Return it, where every limit can be judged.
+
+        Raises
+        ------
+        CallError
+            With the limits that nothing can be said of.
+        """
+        how = self.on_mission or self.procedure
+        refuse_unjudged(self.wanted, self.mission, how)
+        return self
+
     def alone(self, owner: str) -> Question:
         """Return the same of one triad, as if the other were not there.
 
         Of what belongs to both, IMU: the two, with nothing of either alone.
         """
-        if owner not in self._made:
-            self._made[owner] = self._alone(owner)
-        return self._made[owner]
+        return self.kept(owner, lambda: self._alone(owner))
 
     def _alone(self, owner: str) -> Question:
         """Return it of one owner of outputs."""
@@ -259,18 +328,49 @@ class Question:
         of_both = tuple(name for name in known if name.owner == IMU)
         return replace(self, requirement=wanted, asked=of_both)
 
+    def carry(self, times: tuple[float, ...], only: Sequence[str] = ()) -> Question:
+        """Return what follows on its mission, at times besides those of its limits."""
+        wanted = self.requirement
+        wanted = None if wanted is None or MISSION not in wanted.kinds else wanted
+        found = Question.of(
+            *(self.given or self.devices),
+            procedure=self.on_mission or self.procedure,
+            requirement=wanted,
+            mission=self.mission,
+            carried_to=times,
+            coverage=self.coverage,
+            only=only,
+            missing=self.filling.mode,
+            catalogue=self.catalogue,
+        )
+        if wanted is not None and self.given is None and not only:
+            found.kept(MISSION, lambda: self.alone(MISSION))
+        return found
+
     @cached_property
-    def _made(self) -> dict[object, Question]:
-        """What it was asked to be of: by owner, by procedure."""
+    def _kept(self) -> dict[Hashable, Question]:
+        """What was made of it."""
         return {}
 
+    def kept(self, key: Hashable, make: Callable[[], Question]) -> Question:
+        """Return what was made of it under a key, once."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
     def under(self, procedure: Procedure) -> Question:
-        """Return the same after another calibration, or in another use."""
+        """Return the same after another calibration."""
         if procedure is self.procedure:
             return self
-        if procedure not in self._made:
-            self._made[procedure] = replace(self, procedure=procedure)
-        return self._made[procedure]
+        return self.kept(procedure, lambda: replace(self, procedure=procedure))
+
+    def in_use(self, lines: Sequence[ErrorLine]) -> Question:
+        """Return the same in an environment of more lines."""
+        if not lines:
+            return self
+        own = self.procedure
+        used = replace(own, environment=(*own.environment, *lines))
+        return self.kept(tuple(map(id, lines)), lambda: replace(self, procedure=used))
 
     def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
         """Return the same of other triads, in the place of those of their kinds."""
@@ -293,7 +393,7 @@ class Question:
 
         A filter keeps the gains that it has by what is given: nobody told it more.
         """
-        whole = self.with_sensors(
+        found = (
             one.with_lines(
                 (
                     *(x for x in (*one.lines, *one.initial) if x.name not in less),
@@ -303,7 +403,11 @@ class Question:
             for device in self.devices
             for one in device.sensors
         )
-        return replace(whole, designed=self.designed or self)
+        designed = self.designed or self
+        return self.kept(
+            (*less, *((name, *_told(one)) for name, one in lines.items())),
+            lambda: replace(self.with_sensors(found), designed=designed),
+        )
 
     @property
     def wanted(self) -> Requirement:
@@ -482,6 +586,18 @@ class Question:
         )
 
 
+def _told(line: ErrorLine) -> tuple[Hashable, ...]:
+    """Return what tells a line from others of its name."""
+    times = line.correlation_time
+    return (
+        line.name,
+        line.form,
+        line.distributions,
+        line.u.tobytes(),
+        None if times is None else times.tobytes(),
+    )
+
+
 def question_of(budget: Budget) -> Question:
     """Return what a budget is of.
 
@@ -546,16 +662,6 @@ def sensors_of(
     return kept
 
 
-def check_there(devices: Sequence[Device], procedure: Procedure | None) -> None:
-    """Refuse devices that do not go together, under a procedure or on a mission.
-
-    Raises
-    ------
-    CallError
-    """
-    navigating(devices) if procedure is None else sensors_of(devices, procedure)
-
-
 def navigating(devices: Sequence[Device]) -> tuple[Sensor, ...]:
     """Return the gyro and the accelerometer that a mission takes.
 
@@ -601,69 +707,50 @@ def on_mission(limited: Iterable[Name], mission: Mission) -> tuple[Name, ...]:
     return tuple(own)
 
 
-def after_a_turn_on(reference: str | None) -> str:
+def _after_a_turn_on(reference: str | None, requirement: Requirement | None) -> str:
     """Return the error reference of a mission.
 
     Raises
     ------
     CallError
-        Another one is asked for.
+        Another one is asked for, or the requirement says nothing of a mission.
     """
     if reference not in {None, ON_MISSION}:
         raise CallError(
             f"reference is {reference!r}, and a mission begins with a turn-on of its "
             f"own: allowed is {ON_MISSION}"
         )
-    return ON_MISSION
-
-
-def limits_on_mission(requirement: Requirement) -> None:
-    """Refuse a requirement that says nothing of a mission.
-
-    Raises
-    ------
-    CallError
-        It has no limit on one.
-    """
-    if MISSION not in requirement.kinds:
+    if requirement is not None and MISSION not in requirement.kinds:
         raise CallError(
             f"{requirement.origin.file}: {requirement.name} has no limit on a "
             "mission; add one, as limits: {mission: {position: {horizontal: 1 nmi, "
             "at: 1 h, probability: 50 %}}}, or leave the requirement or the mission out"
         )
+    return ON_MISSION
 
 
-def mission_for(requirement: Requirement, mission: Mission | None) -> None:
-    """Refuse limits on a mission without one, and one without limits on it.
+def refuse_unjudged(
+    requirement: Requirement, mission: Mission | None, procedure: Procedure
+) -> None:
+    """Refuse limits on a mission that is not there, and on a calibration that is none.
 
     Raises
     ------
     CallError
         With the limits that nothing can be said of.
     """
-    if mission is not None:
-        limits_on_mission(requirement)
-    elif limited := [name for name in requirement.outputs if name.owner == MISSION]:
+    limited = [name for name in requirement.outputs if name.owner == MISSION]
+    if limited and mission is None:
         raise CallError(
             f"{requirement.name} limits {', '.join(limited)}, which depends on the "
             "mission; give one with --mission FILE, or a requirement without "
             "these limits"
         )
-
-
-def needs_test(requirement: Requirement, procedure: Procedure) -> None:
-    """Refuse limits on a calibration where nobody calibrates.
-
-    Raises
-    ------
-    CallError
-        With what they are on.
-    """
-    limited = [kind for kind in requirement.kinds if kind != MISSION]
-    if limited and procedure.formulas in UNCALIBRATED:
+    kinds = [kind for kind in requirement.kinds if kind != MISSION]
+    if kinds and procedure.formulas in UNCALIBRATED:
         raise CallError(
             f"{requirement.origin.file}: {requirement.name} limits the residual error "
-            f"of {' and '.join(limited)}, and {procedure.name} is no calibration; "
+            f"of {' and '.join(kinds)}, and {procedure.name} is no calibration; "
             "give a procedure, or a requirement with limits on a mission only"
         )
 
@@ -726,18 +813,7 @@ def seconds(time: float | str) -> float:
         raise CallError(f"time {error}") from None
 
 
-def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
-    """Say of which triads that are there a procedure finds nothing."""
-    if procedure.formulas in UNCALIBRATED:
-        return ()
-    return tuple(
-        sentence("cautions.not_calibrated", procedure=procedure.name, sensor=kind)
-        for kind in _kinds(devices)
-        if not calibrates(kind, procedure)
-    )
-
-
-def _kinds(devices: Sequence[Device]) -> tuple[str, ...]:
+def kinds_of(devices: Sequence[Device]) -> tuple[str, ...]:
     """Return the kinds of triad that are there, each once."""
     kinds = (sensor.kind for device in devices for sensor in device.sensors)
     return tuple(dict.fromkeys(kinds))
@@ -757,48 +833,6 @@ def limited_but_held(
     )
 
 
-def not_estimated(
-    devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
-) -> tuple[str, ...]:
-    """Say which limits a procedure says nothing of, as it holds what they are on."""
-    limits = () if requirement is None else requirement.outputs
-    return tuple(
-        sentence(
-            "cautions.not_estimated", procedure=procedure.name, parameters=parameters
-        )
-        for parameters in by_group(limited_but_held(_kinds(devices), procedure, limits))
-    )
-
-
-def not_on_a_mission(
-    requirement: Requirement | None, mission: Mission | None
-) -> tuple[str, ...]:
-    """Say that limits on a mission are judged by nobody who is given none."""
-    if mission is not None or requirement is None or MISSION not in requirement.kinds:
-        return ()
-    return (sentence("cautions.limits_on_a_mission"),)
-
-
-def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
-    """Say which limits are judged by nobody who takes the sensors one by one."""
-    of_both = [name for name in requirement.outputs if name.owner == IMU]
-    return tuple(
-        sentence("cautions.of_both", parameters=parameters)
-        for parameters in by_group(of_both)
-    )
-
-
-def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
-    """Say for which triads there is no noise that an estimator could weigh by."""
-    if procedure.formulas != WEIGHTED:
-        return ()
-    return tuple(
-        sentence("cautions.no_weights", sensor=sensor.kind)
-        for sensor in sensors
-        if not noise_of(sensor.kind, sensor.lines)
-    )
-
-
 def choose_outputs(question: Question, texts: Sequence[str]) -> tuple[Name, ...] | None:
     """Resolve the names after `--outputs`: of a group, one of its axes, in any triad.
 
@@ -815,8 +849,7 @@ def choose_outputs(question: Question, texts: Sequence[str]) -> tuple[Name, ...]
     """
     if not texts:
         return None
-    if isinstance(texts, str):  # one name, not a sequence of letters
-        texts = (texts,)
+    texts = _texts("outputs", texts)
     procedure = question.procedure
     kinds = [sensor.kind for sensor in question.sensors]
     known = known_outputs(kinds, procedure)
@@ -847,6 +880,23 @@ def choose_outputs(question: Question, texts: Sequence[str]) -> tuple[Name, ...]
     if faults:
         raise CallError("\n".join(f"--outputs: {fault}" for fault in faults))
     return tuple(name for name in known if name in chosen)
+
+
+def _texts(option: str, given: Sequence[str]) -> tuple[str, ...]:
+    """Return what an option names, one alone too.
+
+    Raises
+    ------
+    CallError
+        It has something else than texts.
+    """
+    names = (given,) if isinstance(given, str) else given
+    if not isinstance(names, Iterable):
+        raise CallError(f"{option} is {given!r}, expected names: ['gyro.bias']")
+    names = tuple(names)
+    if wrong := [one for one in names if not isinstance(one, str)]:
+        raise CallError(f"{option} has {wrong[0]!r}, expected names: 'gyro.bias'")
+    return names
 
 
 def _owners(name: Name) -> set[str]:
@@ -961,8 +1011,7 @@ def choose_sources(question: Question, only: Sequence[str]) -> frozenset[Name] |
     """
     if not only:
         return None
-    if isinstance(only, str):  # one name, not a sequence of letters
-        only = (only,)
+    only = _texts("only", only)
     is_known = any(line.course for line in question.procedure.environment)
     known = (
         *(
@@ -973,12 +1022,3 @@ def choose_sources(question: Question, only: Sequence[str]) -> frozenset[Name] |
         *lines_of_mission(question.journey),
     )
     return frozenset(find_sources(only, known, option="--only"))
-
-
-def asked_alone(question: Question) -> tuple[str, ...]:
-    """Say which of the sources that alone count the data sheet does not give."""
-    given = given_lines(question.sensors, question.procedure, mission=question.journey)
-    return tuple(
-        sentence("cautions.asked_alone", name=name)
-        for name in sorted((question.only or frozenset()) - given.keys())
-    )

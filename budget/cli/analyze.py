@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from budget.cli import options
@@ -51,13 +50,9 @@ def compute(
     """Load what is named and compute its budget, of a mission where there is one."""
     from budget.cli.computing import computing
     from budget.cli.output import check_files
-    from budget.question import limits_on_mission
     from budget.studies.analysis import analyze as run
 
     check_files(out, inputs, devices)
     loaded = options.load_devices(devices, inputs.changes)
-    inputs = replace(inputs, requirement=inputs.required)
-    if inputs.mission is not None and inputs.requirement is not None:
-        limits_on_mission(inputs.required)
     with computing(engine) as found:
         return run(*loaded, inputs=inputs, asked=asked, engine=found, command=command)

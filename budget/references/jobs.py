@@ -20,8 +20,8 @@ from budget.names import MISSION
 from budget.question import (
     Question,
     find_sources,
-    needs_test,
     question_of,
+    refuse_unjudged,
     sensors_of,
     source_names,
 )
@@ -119,7 +119,7 @@ def compute(
         for one in procedures or (None,)
     ]
     for one in limits if mission is not None else ():
-        needs_test(one, procedures[0])
+        refuse_unjudged(one, mission, procedures[0])
     given = {
         name: value
         for name in rows(Stored, job).keys() & STORED.keys() - rows(Use, job).keys()

@@ -11,10 +11,6 @@ from budget.calibration.derived import combination
 from budget.calibration.schemes import estimated
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
-from budget.inputs import (
-    load_devices,
-)
-from budget.inputs.records import UNCALIBRATED
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -31,13 +27,6 @@ from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import (
     Question,
-    after_a_turn_on,
-    asked_alone,
-    choose_times,
-    not_calibrated,
-    not_estimated,
-    not_on_a_mission,
-    not_weighted,
     question_of,
 )
 from budget.results import (
@@ -70,13 +59,13 @@ from budget.studies.progress import describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement
+    from budget.inputs.records import Device, Requirement
     from budget.problem import Problem
     from budget.settings import Settings
 
@@ -130,71 +119,37 @@ def analyze(
     CallError
         Options or devices that do not fit together.
     """
-    wanted, route, carried_to = inputs.required, inputs.journey, None
-    if route is not None:
-        carried_to = choose_times(route, inputs.at, wanted)
-        asked = replace(asked, reference=after_a_turn_on(asked.reference))
-    elif inputs.at:
-        raise CallError(
-            f"at is {inputs.at!r}, the times of a mission; give mission=, too"
-        )
-    return analyze_as(
-        asked.settle(wanted),
-        *load_devices(devices),
-        procedure=inputs.calibrated(mission=route, requirement=wanted),
-        requirement=wanted,
-        catalogue=inputs.catalogue,
-        engine=engine,
-        command=command,
-        mission=route,
-        carried_to=carried_to,
-    )
+    question = Question.load(*devices, inputs=inputs, asked=asked)
+    return analyze_as(asked.settle(), question, engine=engine, command=command)
 
 
 def analyze_as(
     settings: Settings,
-    *devices: Device,
-    procedure: Procedure | None = None,
-    requirement: Requirement | None = None,
-    catalogue: Sequence[Device] | None = None,
+    question: Question,
+    *,
     engine: Engine | None = None,
     command: str = "analyze",
-    mission: Mission | None = None,
-    carried_to: tuple[float, ...] | None = None,
-    on_mission: Procedure | None = None,
 ) -> Budget:
-    """Compute the budget as `analyze` does, with the settings given as a whole.
-
-    `carried_to` are times at which that of the mission after it is asked for, in its
-    place; the mission alone is for limits on it, `on_mission` what calibrated the unit
-    for these (in its use), where that is another calibration.
-    """
+    """Compute the budget as `analyze` does; what the question says goes before."""
     engine = Engine() if engine is None else engine
-    of_test = carried_to is None
-    if procedure is not None:
-        _check_kind(settings, procedure, of_test=of_test)
-    check("analyze", settings, engine)
-    question = Question.of(
-        *devices,
-        procedure=procedure,
-        requirement=requirement,
-        mission=mission,
-        carried_to=carried_to,
-        on_mission=on_mission,
-        coverage=settings.coverage,
-        reference=settings.reference,
-        only=settings.only,
-        outputs=settings.outputs,
-        missing=settings.missing,
-        catalogue=catalogue,
+    settings = replace(
+        settings, coverage=question.coverage, reference=question.reference
     )
+    check("analyze", settings, engine)
     devices, procedure, sensors = question.devices, question.procedure, question.sensors
-    chosen, warnings = question.only, asked_alone(question)
+    requirement, mission = question.requirement, question.mission
+    of_test = question.journey is None
+    if settings.matrices and not of_test:
+        raise CallError(
+            "outputs and matrices are of a calibration, and this is of a mission, "
+            "which has neither; leave --outputs and --matrices out"
+        )
+    chosen, warnings = question.only, cautions.asked_alone(question)
     if of_test:
         warnings = (
-            *not_on_a_mission(requirement, mission),
-            *not_calibrated(devices, procedure),
-            *not_estimated(devices, procedure, requirement),
+            *cautions.not_on_a_mission(requirement, mission),
+            *cautions.not_calibrated(devices, procedure),
+            *cautions.not_estimated(devices, procedure, requirement),
             *warnings,
         )
     problem, law = question.problem, question.law
@@ -266,7 +221,7 @@ def analyze_as(
             *procedure.assumptions,
             *(() if mission is None else mission.assumptions),
             *(() if of_test else cautions.left_behind(sensors, procedure)),
-            *not_weighted(sensors, procedure),
+            *cautions.not_weighted(sensors, procedure),
             *cautions.shared_constants(sensors, procedure, settings.reference),
             *estimate.assumptions,
         ),
@@ -296,26 +251,6 @@ def analyze_as(
             *cautions.doubts(budget.outputs),
         ),
     )
-
-
-def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> None:
-    """Refuse what means nothing of a calibration, or of a mission.
-
-    Raises
-    ------
-    CallError
-        There is no test, or outputs of a test are asked for.
-    """
-    if not of_test and (settings.outputs or settings.matrices):
-        raise CallError(
-            "outputs and matrices are of a calibration, and this is of a mission, "
-            "which has neither; leave --outputs and --matrices out"
-        )
-    if of_test and procedure.formulas in UNCALIBRATED:
-        raise CallError(
-            f"{procedure.name}: there is no test whose budget this could be; give a "
-            "procedure, or a mission, on which such a unit has errors"
-        )
 
 
 def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEstimate:

@@ -308,7 +308,9 @@ def decide(
         if not as_made:
             own = replace(
                 own,
-                stations=qualify(device, inputs=replace(given, station=None)).stations,
+                stations=qualify(
+                    device, inputs=replace(given, station=None, mission=None)
+                ).stations,
             )
         if not own.is_aged:
             return own

@@ -498,7 +498,9 @@ class Margin:
             for x in silent.values()
             for name in x
         }
-        found_of = question.with_lines(lines | probes).under(_tried(question))
+        found_of = question.with_lines(lines | probes).in_use(
+            [PROBE[key] for key in unstated(question)]
+        )
         whole, found = found_of.held or held, found_of.law
         parts = np.concatenate(
             [
@@ -1047,15 +1049,6 @@ def unstated(question: Question) -> tuple[str, ...]:
 def silent_of(question: Question) -> Mapping[str, tuple[Name, ...]]:
     """Return by the use that is not stated the lines of it that are not given."""
     return {key: lacking_use(question, key) for key in unstated(question)}
-
-
-def _tried(question: Question) -> Procedure:
-    """Return the procedure with every use that is not stated at its probe."""
-    lines = [PROBE[key] for key in unstated(question)]
-    own: Procedure = question.procedure
-    if not lines:
-        return own
-    return replace(own, environment=(*own.environment, *lines))
 
 
 def _felt_by(question: Question, key: str) -> tuple[Name, ...]:

@@ -11,23 +11,12 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
-from budget.inputs import (
-    load_costs,
-    load_devices,
-)
+from budget.inputs import load_costs
 from budget.inputs.records import JOINT
 from budget.methods.allocation import TOUCHES
 from budget.methods.trials import coverage_of
 from budget.names import IMU, MISSION, Name
-from budget.question import (
-    Question,
-    limited_but_held,
-    mission_for,
-    needs_test,
-    not_estimated,
-    not_of_one_sensor,
-    not_weighted,
-)
+from budget.question import Question, limited_but_held
 from budget.results import input_files
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
@@ -54,12 +43,18 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+    of_no_vehicle,
+)
 from budget.studies.judgement import judge
 from budget.studies.verdicts import stand
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import (
@@ -111,39 +106,37 @@ def allocate(
         Options that do not fit together, limits on a mission without one, or no limit
         for any sensor that is there.
     """
-    imus, wanted, journey = load_devices(devices), inputs.required, inputs.journey
-    how = inputs.calibrated(mission=journey, requirement=wanted)
-    mission_for(wanted, journey)
-    needs_test(wanted, how)
-    prices = None if costs is None else load_costs(costs)
-    strategy = _choose_strategy(asked.strategy, prices)
-    seed, catalogue = asked.seed, inputs.catalogue
-    question = Question.of(
-        *imus,
-        procedure=how,
-        requirement=wanted,
-        mission=journey,
-        carried_to=None if journey is None else (),
-        catalogue=catalogue,
+    return allocate_as(
+        Question.load(*devices, inputs=inputs),
+        asked,
+        engine=engine,
+        costs=costs,
+        bounds=bounds,
+        market=market,
     )
-    how, sensors = question.procedure, question.sensors
+
+
+def allocate_as(
+    question: Question,
+    asked: Asked,
+    *,
+    engine: Engine,
+    costs: Costs | File | None = None,
+    bounds: Bounds = NO_BOUNDS,
+    market: bool = False,
+) -> Allocation:
+    """Share out limits as `allocate` does, of a calibration and of its mission."""
+    imus, wanted = question.devices, question.whole().wanted
+    journey = question.mission if MISSION in wanted.kinds else None
+    unit = question if journey is None else question.alone(MISSION)
+    how, sensors, catalogue = unit.procedure, unit.sensors, question.catalogue
+    prices = None if costs is None else load_costs(costs)
+    strategy, seed = _choose_strategy(asked.strategy, prices), asked.seed
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()
     offered = best_offered(catalogue, sensors)
-    least = offered if market else {}
-    # What the limits on sensors allow is the most that those on a mission may take.
-    of_test = replace(question, carried_to=None)
-    cases = [
-        case
-        for sensor in sensors
-        if calibrates(sensor.kind, how)
-        for case in [set_up(of_test.alone(sensor.kind), bounds, least, seed=seed)]
-        if case is not None
-    ]
-    if journey is not None:
-        case = set_up(question, bounds, least, seed=seed)
-        cases += [] if case is None else [case]
+    cases = _set_up(question, unit, bounds, offered if market else {}, seed)
     if not cases:
         raise CallError(
             f"{wanted.name} sets no limit for what is estimated of a sensor "
@@ -256,6 +249,30 @@ def allocate(
             *_warnings(sensors, cases, bounds, prices),
         ),
     )
+
+
+def _set_up(
+    question: Question,
+    unit: Question,
+    bounds: Bounds,
+    market: Mapping[Name, float],
+    seed: int,
+) -> list[SensorCase]:
+    """Return what has limits: the triads, then the unit on a mission.
+
+    What the limits on sensors allow is the most that those on a mission may take.
+    """
+    of_test = question
+    if question.journey is not None:
+        of_test = replace(question, carried_to=None)
+    asked = [
+        of_test.alone(sensor.kind)
+        for sensor in unit.sensors
+        if calibrates(sensor.kind, of_test.procedure)
+    ]
+    asked += [] if unit.journey is None else [unit]
+    found = (set_up(one, bounds, market, seed=seed) for one in asked)
+    return [case for case in found if case is not None]
 
 
 def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:

@@ -163,7 +163,10 @@ class SensorCase:
     @property
     def found(self) -> Question:
         """The calibration, or the mission, with the lines as allocated."""
-        return self.question.with_sensors(self.allocated)
+        one = self.question
+        return one.kept(
+            self.factors.tobytes(), lambda: one.with_sensors(self.allocated)
+        )
 
     def at_most(self, ceilings: Mapping[Name, float]) -> SensorCase:
         """Return the case with no line above these factors, by the name of its line."""

@@ -15,19 +15,18 @@ from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
-from budget.question import (
-    Question,
-    mission_for,
-    needs_test,
-    not_calibrated,
-    not_estimated,
-    not_weighted,
-)
+from budget.question import Question, refuse_unjudged
 from budget.results import input_file, named_files
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_calibrated,
+    not_estimated,
+    not_weighted,
+    of_no_vehicle,
+)
 from budget.studies.comparison.candidates import missing_lines
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
@@ -102,7 +101,6 @@ def compare(
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
     journey = inputs.journey
-    mission_for(wanted, journey)
     of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
     shared = replace(wanted, limits=of_both)
     tests = tuple(
@@ -110,7 +108,7 @@ def compare(
         for one in several(procedures) or (None,)
     )
     for test in tests:
-        needs_test(wanted, test)
+        refuse_unjudged(wanted, journey, test)
     trials = TRIALS if asked.trials is None else asked.trials
     most = asked.max_trials or max(trials, MAX_TRIALS)
     _check(asked, trials=trials, max_trials=most)
