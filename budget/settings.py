@@ -108,16 +108,6 @@ def rows(kind: type, job: str, where: str = "") -> dict[str, Row]:
     }
 
 
-def differing(*asked: object) -> tuple[str, ...]:
-    """Return the names of what is asked for otherwise than it usually is."""
-    return tuple(
-        name
-        for one in asked
-        for name, row in every_row(type(one)).items()
-        if getattr(one, name) != row.default
-    )
-
-
 _KNOWN: dict[type, dict[str, Row]] = {}
 
 

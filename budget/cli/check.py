@@ -10,7 +10,7 @@ import typer
 
 from budget.cli import options
 from budget.cli.streams import in_line, talk, tell
-from budget.settings import UNTESTED, Asked, Engine, Inputs, differing
+from budget.settings import UNTESTED, Asked, Engine, Inputs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -114,7 +114,7 @@ def check(
         files = (names or [], inputs)
         _save(save, kind, given, *files, costs=costs, workers=engine.workers)
         return
-    if differing(given, inputs) or kind or costs:
+    if options.given(context, Asked, Inputs) or kind or costs:
         raise CallError(
             "settings are those of the stored references and cannot be given to a "
             "check; leave them out, or store a new reference with --save FILE"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
-from budget.settings import Asked, Inputs, differing
+from budget.settings import Asked, Inputs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,6 +20,7 @@ JOBS: tuple[Job, ...] = ("analyze", "mission")  # of a device, which is computed
 
 @options.asking("diff")
 def diff(
+    context: typer.Context,
     first: Annotated[
         str,
         typer.Argument(
@@ -61,7 +62,8 @@ def diff(
     check_files(out, inputs, (first, second))
     stored = [_reference(name) for name in (first, second)]
     given = Stored.of(asked, inputs)
-    own = [f"--{name}" for name in differing(asked, inputs) if name != "changes"]
+    stated = options.given(context, Asked, Inputs)
+    own = [f"--{name}" for name in stated if name != "changes"]
     if any(stored) and own:
         raise CallError(
             "a reference has its own procedure, mission and settings, and a device "

@@ -26,6 +26,7 @@ from budget.settings import (
     USED,
     Row,
     ask,
+    every_row,
     rows,
     setting,
 )
@@ -331,6 +332,17 @@ def _spelled_out(command: Callable[..., None], *, job: str) -> Callable[..., Non
     told.__signature__ = own.replace(parameters=parameters)
     told.__annotations__ = {each.name: each.annotation for each in parameters}
     return called
+
+
+def given(context: typer.Context, *kinds: type) -> list[str]:
+    """Return what a call states of the rows of some records."""
+    names = {name for kind in kinds for name in every_row(kind)}
+    found = ((name, context.get_parameter_source(name)) for name in context.params)
+    return [
+        name
+        for name, source in found
+        if name in names and source is not None and source.name == "COMMANDLINE"
+    ]
 
 
 def _is_on(row: Row) -> bool:

@@ -129,10 +129,7 @@ def compute(
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with small_blocks():
-        if job == "analyze":
-            requirement = limits[0] if limits else None
-            return _analyze(devices, procedures[0], requirement, given, workers)
-        if job == MISSION:
+        if job in {"analyze", MISSION}:
             budget = analyze(
                 *devices,
                 procedure=procedures[0],
@@ -140,7 +137,7 @@ def compute(
                 mission=mission,
                 validate=False,
                 workers=workers,
-                command=MISSION,
+                command=job,
                 **given,
             )
             return _snapshot(budget)
@@ -206,25 +203,6 @@ def _procedures(
 def by_law(asked: Stored) -> Stored:
     """Return the same settings with the law in the place of trials."""
     return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
-
-
-def _analyze(
-    devices: Sequence[Device],
-    procedure: Procedure,
-    requirement: Requirement | None,
-    given: dict[str, Any],
-    workers: int,
-) -> Snapshot:
-    """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    budget = analyze(
-        *devices,
-        procedure=procedure,
-        requirement=requirement,
-        validate=False,
-        workers=workers,
-        **given,
-    )
-    return _snapshot(budget)
 
 
 def _snapshot(budget: Budget) -> Snapshot:
