@@ -13,6 +13,7 @@ import numpy as np
 
 from budget.documents import SHOWN_BY, Documented, Shown, document, written
 from budget.errors import NotThereError
+from budget.known import Known
 from budget.language import note
 from budget.names import Name, braced, spellings, with_parts
 from budget.problem import Output
@@ -238,6 +239,103 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
 
 
 @written(
+    "limited_output",
+    """
+    *output as key
+    coverage? [1]: of the interval; where none stands here it is the requirement's
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    limit / unit: on the absolute error
+    standard_uncertainty / unit: by the law
+    interval / unit: coverage interval
+    interval_by: what it is of, 'law', 'monte-carlo', ...
+    largest_error / unit: larger absolute end of the interval
+    utilisation [1]: largest error over limit
+    conformance [1]: probability that the error is within the limit
+    lower_bound: whether a line that is not given would widen it
+    nothing_known = is_unknown: whether no line that is given reaches it besides
+    """,
+    said="One required output against its limit.",
+)
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LimitedOutput(Documented):
+    """One output: how large its error is and, where it has one, its limit [SI]."""
+
+    output: Output
+    standard_uncertainty: float
+    interval: tuple[float, float]  # coverage interval
+    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
+    coverage: float | None = None  # of its interval; None: the usual one [1]
+    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
+    limit: float = inf  # on the absolute error
+    printed_limit: str = ""  # as the requirement file gives it
+    conformance: float = 1.0  # probability that the error is within the limit [1]
+
+    @property
+    def sensor(self) -> str:
+        """Owner of the output: gyro, accelerometer or, of both together, imu."""
+        return self.output.name.owner
+
+    @property
+    def parameter(self) -> str:
+        """scale_factor, mounting_angle, bias, or what is derived of them."""
+        return self.output.name.quantity
+
+    @property
+    def axis(self) -> str:
+        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
+        return self.output.name.axis
+
+    @property
+    def by_trials(self) -> bool:
+        """Whether the interval is of Monte Carlo, the law not being sure enough."""
+        return self.interval_by == BY_TRIALS
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the spread is more than the rounding of the computation."""
+        return self.standard_uncertainty > self.output.resolution
+
+    def known(self, size: float) -> Known:
+        """Return a size of it, which a line that is not given would add to."""
+        return Known.of(size, self.lacks, is_felt=self.is_resolved)
+
+    @property
+    def u(self) -> Known:
+        """Its standard uncertainty, as far as it is known [SI]."""
+        return self.known(self.standard_uncertainty)
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether the uncertainty is this or more: a line that reaches it lacks."""
+        return bool(self.lacks)
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether nothing is known of it: no given line reaches it, one lacks."""
+        return self.u.is_unknown
+
+    @property
+    def largest_error(self) -> Known:
+        """Largest absolute end of the coverage interval [SI]."""
+        return self.known(max(map(abs, self.interval)))
+
+    @property
+    def utilisation(self) -> Known:
+        """Largest error over limit [1]."""
+        return self.largest_error / self.limit
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the largest error is at most the limit."""
+        return settle(self.utilisation) <= 1.0
+
+
+def worst_of(rows: Sequence[LimitedOutput]) -> LimitedOutput:
+    """Return the output that uses most of its limit; of equal ones the first."""
+    return rows[first_largest([row.utilisation for row in rows])]
+
+
+@written(
     "output",
     """
     *output as key
@@ -264,23 +362,17 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
     """,
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class OutputBudget(Shown):
+class OutputBudget(Shown, LimitedOutput):
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
-    output: Output
     mean: float
-    standard_uncertainty: float
-    interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
-    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
-    u_by: str = BY_LAW  # what mean and standard uncertainty are of, likewise
+    u_by: str = BY_LAW  # what mean and standard uncertainty are of, as `interval_by`
     law_factor: float | None = None  # k of the law [1], whatever the interval is of
     validation: Validation | None = None
-    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
     # Effective ones of u by the law, JCGM 100:2008, eq. (G.2b); None where u is of
     # trials or a lower bound, or a line of other devices is in it.
     degrees_of_freedom: float | None = inf
-    coverage: float | None = None  # of its interval; None: the settings' [1]
     radii: Radii | None = None  # of a length
 
     @property
@@ -292,26 +384,6 @@ class OutputBudget(Shown):
         if not self.is_resolved or self.interval_by != self.u_by:
             return None
         return (self.interval[1] - self.interval[0]) / 2.0 / self.standard_uncertainty
-
-    @property
-    def by_trials(self) -> bool:
-        """Whether the interval is of Monte Carlo."""
-        return self.interval_by == BY_TRIALS
-
-    @property
-    def sensor(self) -> str:
-        """Owner of the output: gyro, accelerometer or, of both together, imu."""
-        return self.output.name.owner
-
-    @property
-    def parameter(self) -> str:
-        """scale_factor, mounting_angle, bias, or what is derived of them."""
-        return self.output.name.quantity
-
-    @property
-    def axis(self) -> str:
-        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
-        return self.output.name.axis
 
     def in_unit(self, unit: str = "") -> InUnit:
         """Return its numbers in a unit, the printed one without: both agree.
@@ -339,26 +411,6 @@ class OutputBudget(Shown):
             for part in self.contributions
         )
         return replace(self, lacks=lacks, contributions=tuple(contributions))
-
-    @property
-    def is_resolved(self) -> bool:
-        """Whether the spread is more than the rounding of the computation."""
-        return self.standard_uncertainty > self.output.resolution
-
-    @property
-    def lower_bound(self) -> bool:
-        """Whether the uncertainty is this or more: a line that reaches it lacks."""
-        return bool(self.lacks)
-
-    @property
-    def is_unknown(self) -> bool:
-        """Whether nothing is known of it: no given line reaches it, one lacks."""
-        return self.lower_bound and not self.is_resolved
-
-    @property
-    def largest_error(self) -> float:
-        """Largest absolute end of the coverage interval [SI]."""
-        return max(abs(self.interval[0]), abs(self.interval[1]))
 
     @property
     def ranked(self) -> tuple[Contribution, ...]:
@@ -578,7 +630,8 @@ class Bias:
     sensor_to_body = self as uncertain_matrix: T, the inverse of M
     bias_sensor = sensor_axes as bias_of_matrix: taken off before T
     bias_body = body_axes as bias_of_matrix: taken off after T
-    bias_lower_bound: whether lines that are not given would widen the biases
+    bias_lower_bound = bias_lacks (bool): whether lines that are not given would widen
+      the biases
     covariance = printed (list[list[float]]) [products of units]: of T row by row, bias
       in sensor axes, bias in body axes
     """,
@@ -591,7 +644,7 @@ class Bias:
     """
     value = T (list[list[float]]) [1]: row by row
     standard_uncertainty = u (list[list[float]]) [1]: of its elements
-    lower_bound: whether lines that are not given would widen it
+    lower_bound = lacks (bool): whether lines that are not given would widen it
     """,
     u=lambda found: found.standard_uncertainty[:9].reshape(3, 3),
 )
@@ -614,16 +667,16 @@ class Compensation(Documented):
         At the nominal values of the device [SI].
     covariance : ndarray, shape (15, 15)
         Joint, of what a calibration finds [products of SI units].
-    lower_bound, bias_lower_bound : bool
-        Whether expected lines that are not given would widen T, and the biases.
+    lacks, bias_lacks : tuple of Name
+        Expected lines that are not given and would widen T, and the biases.
     """
 
     sensor: str
     outputs: tuple[Output, ...]
     value: Array
     covariance: Array = field(repr=False)
-    lower_bound: bool = False
-    bias_lower_bound: bool = False
+    lacks: tuple[Name, ...] = ()
+    bias_lacks: tuple[Name, ...] = ()
 
     @property
     def standard_uncertainty(self) -> Array:
@@ -665,7 +718,8 @@ class Compensation(Documented):
     """
     name: of the procedure
     cep [m]: of the horizontal position, time by time
-    lower_bound: whether an expected line that is not given would widen it
+    lower_bound = lacks (bool): whether an expected line that is not given would widen
+      it
     worse_than: the maker's calibration, where it is farther off at the end than after
       that
     because: the line that adds most then
@@ -677,7 +731,7 @@ class Calibrated:
 
     name: str  # of the procedure
     cep: tuple[float, ...]  # of the horizontal position, time by time [m]
-    lower_bound: bool  # whether an expected line that is not given would widen it
+    lacks: tuple[Name, ...]  # expected lines, not given, that would widen it
     # Of a test after which it is larger at the end than after the maker's calibration:
     # the name of that, and the line that adds most; '' and None of others.
     worse_than: str = ""
@@ -1147,64 +1201,6 @@ class Probability(Documented):
 
 
 @written(
-    "limited_output",
-    """
-    *output as key
-    coverage? [1]: of the interval; where none stands here it is the requirement's
-    resolution = output.resolution / unit: a spread at or below this is rounding
-    limit / unit: on the absolute error
-    standard_uncertainty / unit: by the law
-    interval / unit: coverage interval
-    interval_by: what it is of, 'law', 'monte-carlo', ...
-    largest_error / unit: larger absolute end of the interval
-    utilisation [1]: largest error over limit
-    conformance [1]: probability that the error is within the limit
-    lower_bound: whether a line that is not given would widen it
-    nothing_known = is_unknown: whether no line that is given reaches it besides
-    """,
-)
-@dataclass(frozen=True, kw_only=True, slots=True)
-class OutputAssessment(Documented):
-    """One required output against its limit [SI]."""
-
-    output: Output
-    limit: float
-    printed_limit: str  # as the requirement file gives it
-    standard_uncertainty: float  # by the law
-    interval: tuple[float, float]  # coverage interval
-    interval_by: str  # 'law' or 'monte-carlo'
-    conformance: float  # probability that the error is within the limit [1]
-    lower_bound: bool = False  # a line that is not given would widen it
-    is_unknown: bool = False  # and no line that is given reaches it
-    coverage: float | None = None  # of the interval; None: the requirement's [1]
-
-    @property
-    def largest_error(self) -> float:
-        """Largest absolute end of the coverage interval [SI]."""
-        return max(abs(self.interval[0]), abs(self.interval[1]))
-
-    @property
-    def utilisation(self) -> float:
-        """Largest error over limit [1]."""
-        return self.largest_error / self.limit
-
-    @property
-    def by_monte_carlo(self) -> bool:
-        """Whether the interval is of trials, the law not being sure enough."""
-        return self.interval_by == BY_TRIALS
-
-    @property
-    def is_within(self) -> bool:
-        """Whether the largest error is at most the limit."""
-        return settle(self.utilisation) <= 1.0
-
-
-def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
-    """Return the output that uses most of its limit; of equal ones the first."""
-    return rows[first_largest([row.utilisation for row in rows])]
-
-
-@written(
     "reading_effect",
     """
     line: whose meaning the data sheet leaves open
@@ -1510,7 +1506,7 @@ class Assessment(Documented):
     """A budget held against a requirement."""
 
     requirement: str  # its name
-    outputs: tuple[OutputAssessment, ...]
+    outputs: tuple[LimitedOutput, ...]
     sensors: tuple[SensorAssessment, ...]
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
@@ -1538,7 +1534,7 @@ class Assessment(Documented):
         return found
 
     @property
-    def judged(self) -> tuple[OutputAssessment, ...]:
+    def judged(self) -> tuple[LimitedOutput, ...]:
         """Outputs of which something is known."""
         unknown = {one.sensor for one in self.sensors if one.nothing_known}
         return tuple(
@@ -1547,7 +1543,7 @@ class Assessment(Documented):
             if row.output.name.owner not in unknown and not row.is_unknown
         )
 
-    def outcome(self, row: OutputAssessment) -> str:
+    def outcome(self, row: LimitedOutput) -> str:
         """Return 'conforms', 'does not conform', or 'open' where its sensor's limit is.
 
         In the words of JCGM 106:2012, the largest error being held against the limit.
@@ -1561,7 +1557,7 @@ class Assessment(Documented):
         return "conforms" if row.is_within else "does not conform"
 
     @property
-    def open_rows(self) -> tuple[OutputAssessment, ...]:
+    def open_rows(self) -> tuple[LimitedOutput, ...]:
         """Outputs that lines not given leave open; on conditions they are within."""
         waits = {one.sensor for one in self.sensors if one.verdict != "meets_if"}
         return tuple(

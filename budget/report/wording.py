@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from budget.results import (
         Assessment,
         Doubt,
-        OutputAssessment,
+        LimitedOutput,
         Settings,
         Standing,
     )
@@ -80,7 +80,7 @@ def doubt_sentence(doubt: Doubt, *, of: str) -> str:
     return line("words", "doubt", doubt=doubt, of=of)
 
 
-def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
+def outcome_words(assessment: Assessment, row: LimitedOutput) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     return line("words", "outcome", assessment=assessment, row=row)
 

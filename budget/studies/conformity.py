@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, ErrorLine, Requirement
     from budget.names import Name
-    from budget.results import Budget, OutputAssessment, ReadingVerdicts
+    from budget.results import Budget, LimitedOutput, ReadingVerdicts
     from budget.studies.judgement import Judged, Limited
     from budget.studies.request import Analysis
 
@@ -99,7 +99,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
 
     What belongs to both is judged with both.
     """
-    outputs: list[OutputAssessment] = []
+    outputs: list[LimitedOutput] = []
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
     kinds = [sensor.kind for sensor in analysis.sensors]

@@ -42,7 +42,7 @@ from budget.results import (
     BY_LAW,
     BY_TRIALS,
     TINY,
-    OutputAssessment,
+    LimitedOutput,
     Probability,
 )
 from budget.studies.aiding import problem_of_mission
@@ -523,7 +523,7 @@ def assess_outputs(
     judged: Judged,
     standing: Standing,
     lacks: Mapping[Name, tuple[Name, ...]],
-) -> tuple[OutputAssessment, ...]:
+) -> tuple[LimitedOutput, ...]:
     """Return every required output against its limit.
 
     `lacks` are the lines that are not given and would widen an output, by its name;
@@ -531,7 +531,7 @@ def assess_outputs(
     """
     open_to = [standing.matter(lacks[output.name]) for output in held.outputs]
     return tuple(
-        OutputAssessment(
+        LimitedOutput(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],
@@ -539,8 +539,7 @@ def assess_outputs(
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lower_bound=bool(open_to[k]),
-            is_unknown=bool(open_to[k] and judged.u[k] <= output.resolution),
+            lacks=open_to[k],
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)

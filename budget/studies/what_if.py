@@ -179,7 +179,7 @@ class Outlook:
     factor [1]: k, of a length on the radius of the circle of its coverage
     shift [1]: d
     limit / unit: null where there is none
-    lower_bound: whether a line that is not given would widen it
+    lower_bound = lacks (bool): whether a line that is not given would widen it
     resolution = output.resolution / unit: a spread at or below this is rounding
     added / unit / unit: V and, of lengths, D/2 and W of missing lines at their ceilings
     """,
@@ -199,7 +199,7 @@ class WhatIfOutput:
     factor: float  # [1]
     shift: float  # [1]
     limit: float | None  # [SI]
-    lower_bound: bool
+    lacks: tuple[Name, ...]
     added: Array  # shape (3,) [SI squared]
 
 
@@ -261,8 +261,8 @@ class WhatIf(Documented):
     limit: tuple[float | None, ...]
     # Probability of each interval, that of its limit, shape (n_out,) [1].
     coverages: Array = field(repr=False)
-    # Of each output: whether a line that is not given would widen it.
-    lower_bound: tuple[bool, ...]
+    # Of each output: the lines that are not given and would widen it.
+    lacks: tuple[tuple[Name, ...], ...]
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
     # What missing lines add at their ceilings: V and, of lengths, D/2 and W
     # (budget.methods.scaling), shape (3, n_out) [SI squared].
@@ -335,7 +335,7 @@ class WhatIf(Documented):
                 factor=self.coverage_factor[k] / along[k],
                 shift=self.shift[k],
                 limit=self.limit[k],
-                lower_bound=self.lower_bound[k],
+                lacks=self.lacks[k],
                 added=self.added[:, k],
             )
             for k, output in enumerate(self.outputs)
@@ -546,7 +546,7 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
         shift=np.concatenate([one.shift for one in both]),
         limit=(*calibration.limit, *mission.limit),
         coverages=np.concatenate([one.coverages for one in both]),
-        lower_bound=(*calibration.lower_bound, *mission.lower_bound),
+        lacks=(*calibration.lacks, *mission.lacks),
         law=law.select_sources(names),
         added=np.concatenate([one.added for one in both], axis=1),
     )
@@ -557,7 +557,7 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
     problem, law, required = analysis.problem, analysis.law, analysis.requirement
     held_against = None if budget is None else budget.assessment
     bounds = {
-        row.output.name: row.lower_bound
+        row.output.name: row.lacks
         for row in (held_against.outputs if held_against else ())
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
@@ -617,9 +617,8 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
         shift=shift[rows],
         limit=tuple(limits.get(output.name) for output in outputs),
         coverages=coverages[rows],
-        lower_bound=tuple(
-            bounds.get(output.name, bool(analysis.lacks[output.name]))
-            for output in outputs
+        lacks=tuple(
+            bounds.get(output.name, analysis.lacks[output.name]) for output in outputs
         ),
         law=scaled.select([output.name for output in outputs]),
         added=np.zeros((3, len(outputs))),
@@ -707,7 +706,7 @@ class Step:
     output = output.name: where its share is largest
     unit = output.unit
     share [1]: of the variance of that output as it is
-    lower_bound: whether a line that is not given would widen that output
+    lower_bound = lacks (bool): whether a line that is not given would widen that output
     meets_up_to = most or null [1]: largest factor at which all limits are kept; null
       where none is, or any will do
     meets_at_any (bool)
@@ -726,8 +725,8 @@ class SourceSteps(Documented):
     source: WhatIfSource
     output: Output
     share: float  # of the variance of that output as it is [1]
-    lower_bound: bool  # a line that is not given would widen that output
-    used_lower_bound: bool  # or an output that has such a limit
+    lacks: tuple[Name, ...]  # lines that are not given and would widen that output
+    used_lacks: tuple[Name, ...]  # or an output that has such a limit
     steps: tuple[Step, ...]
     # Largest factor at which all these limits are kept, the others as they are [1];
     # None where not even 0 is enough, or nothing is limited; inf where any will do.
@@ -747,8 +746,15 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                 source=source,
                 output=what_if.outputs[k],
                 share=float(present.share[k, g]),
-                lower_bound=what_if.lower_bound[k],
-                used_lower_bound=_is_used_lower_bound(what_if, judged),
+                lacks=what_if.lacks[k],
+                used_lacks=tuple(
+                    line
+                    for own, limit, lacks in zip(
+                        what_if.outputs, what_if.limit, what_if.lacks, strict=True
+                    )
+                    if own.name.owner in judged and limit is not None
+                    for line in lacks
+                ),
                 steps=tuple(
                     _step(what_if, outlook, factor, k, judged)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
@@ -800,17 +806,6 @@ def mended(what_if: WhatIf, sensor: str) -> tuple[WhatIfSource, float] | None:
             }:
                 able.append((source, factor))
     return max(able, key=lambda one: settle(one[1]), default=None)
-
-
-def _is_used_lower_bound(what_if: WhatIf, judged: Sequence[str]) -> bool:
-    """Whether the part of its limits that what is judged uses is that or more."""
-    return any(
-        lacks
-        for output, limit, lacks in zip(
-            what_if.outputs, what_if.limit, what_if.lower_bound, strict=True
-        )
-        if output.name.owner in judged and limit is not None
-    )
 
 
 def _step(

@@ -456,7 +456,7 @@ def test_trials_of_a_mission_keep_their_ratio_to_the_law():
     )
     device = replace(device, accelerometer=replace(device.accelerometer, lines=lines))
     budget = on_outage(device)
-    (row,) = (one for one in budget.assessment.outputs if one.by_monte_carlo)
+    (row,) = (one for one in budget.assessment.outputs if one.by_trials)
     model, law = what_if(budget.analysis, budget=budget), what_if(budget.analysis)
     k = [one.name for one in model.outputs].index(row.output.name)
     changes = {"gyro.bias_repeatability": 7.0}

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
     from budget.report.figures.rows import Mark
     from budget.studies.allocation.records import (
-        LimitedOutput,
         LimitPart,
+        SharedLimit,
         SourceAllotment,
     )
 
@@ -39,7 +39,7 @@ SHOWN = 1e-3  # part of the squared limit from which a source has a row [1]
 said = partial(line, "figures_allocation")
 
 
-def waterfall_chart(row: LimitedOutput) -> Chart:
+def waterfall_chart(row: SharedLimit) -> Chart:
     """Show one limit from the whole down through the sources to what is left.
 
     The thick bars are what is allowed (of an impossible limit, what is held), the thin
@@ -78,7 +78,7 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     )
 
 
-def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float) -> Row:
+def _part_row(row: SharedLimit, part: LimitPart, left: float, left_now: float) -> Row:
     """Return what one source takes of what is left, allowed and now.
 
     An arrow shows where what it takes now passes the limit.

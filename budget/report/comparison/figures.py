@@ -7,6 +7,7 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.known import AT_LEAST
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.rows import (
     Bar,
@@ -32,7 +33,7 @@ from budget.report.figures.style import (
     write,
 )
 from budget.report.pages import line
-from budget.report.tables import AT_LEAST, as_limited, largest_error, used_part
+from budget.report.tables import as_limited, largest_error, used_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
-    from budget.results import OutputAssessment
+    from budget.results import LimitedOutput
 
 SHOWN = 30  # devices of a map, the best ones that can be judged; all are in the tables
 DOTS = "..."
@@ -192,7 +193,7 @@ def _opacity(part: float) -> float:
     return BEYOND + (DARKEST - BEYOND) * share
 
 
-def _cell(output: OutputAssessment) -> str:
+def _cell(output: LimitedOutput) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
     if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"

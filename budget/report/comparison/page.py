@@ -7,6 +7,7 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from budget.known import AT_LEAST
 from budget.language import Note
 from budget.names import MISSION
 from budget.report.blocks import Document, ForPages, Paragraph
@@ -31,7 +32,7 @@ from budget.report.figures.rows import chart_picture
 from budget.report.pages import blocks, document, line, lines, sections
 from budget.report.provenance import provenance_section
 from budget.report.readings import verdict_line
-from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
+from budget.report.tables import print_chance, settings_lines, used_part
 from budget.report.wording import (
     deciding_lines,
     error_reference,

@@ -9,12 +9,11 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
+from budget.known import AT_LEAST, AT_MOST
 from budget.language import say, words
 from budget.names import MISSION
 from budget.report.pages import line
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     DASH,
     HALF_DIGIT,
     PER_CENT,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.known import Known
 from budget.report.figures.style import (
     BLUE,
     INK,
@@ -22,10 +23,7 @@ from budget.report.figures.style import (
 )
 from budget.report.pages import blocks, line
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     Number,
-    bound_number,
     print_coverage,
     print_given,
     round_error,
@@ -61,8 +59,6 @@ def density_picture(density: Density, *, coverage: float) -> Picture:
         limit=limit,
         scale=density.output.si_per_unit,
         marked=partial(_marked, density),
-        at_most=AT_MOST,
-        at_least=AT_LEAST,
     )[0]
     return as_picture(
         density_step(density, coverage=coverage),
@@ -208,10 +204,12 @@ def _view(density: Density) -> tuple[float, float]:
     return min(ends) - air, max(ends) + air
 
 
-def _marked(density: Density, value: float, sign: str) -> Number:
-    """Round a value, and mark it where lines that are not given would move it."""
-    number = round_error(value, density.u, density.output)
-    return bound_number(number, lower_bound=bool(density.lacks), sign=sign)
+def _marked(
+    density: Density, value: float, *, is_mean: bool = False, is_end: bool = False
+) -> Number:
+    """Round a mean, a lower end or another number, which lines not given would move."""
+    known = Known.of(value, () if is_mean else density.lacks)
+    return round_error(known.falling if is_end else known, density.u, density.output)
 
 
 def _round(density: Density, value: float) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.known import Known
 from budget.language import say
 from budget.model.source import ACCELEROMETER
 from budget.names import LENGTHS, MISSION, SPANS, time_text
@@ -31,7 +32,6 @@ from budget.report.figures.style import (
 )
 from budget.report.pages import blocks, line
 from budget.report.tables import (
-    AT_LEAST,
     UNITS,
     full_title,
     length,
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.tables import Unit
-    from budget.results import OutputAssessment
+    from budget.results import LimitedOutput
     from budget.studies.mission import Curve
 
 # Heights of the errors, of the strip of shares, and what is around them [pt].
@@ -137,11 +137,11 @@ class Growth:
         text = (
             length(size) if is_length else f"{round_uncertainty(size / scale)} {unit}"
         )
-        return f"{AT_LEAST} {text}" if self.is_more else text
+        return Known.at_least(size).written(text) if self.is_more else text
 
 
 def growth_pictures(
-    curve: Curve, limits: Sequence[OutputAssessment] = ()
+    curve: Curve, limits: Sequence[LimitedOutput] = ()
 ) -> tuple[Picture, ...]:
     """Return a figure of the horizontal position and of each other limited error.
 
@@ -153,7 +153,7 @@ def growth_pictures(
     return tuple(growth_picture(one, limits) for one in every if one is not None)
 
 
-def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
+def growth_picture(growth: Growth, limits: Sequence[LimitedOutput] = ()) -> Picture:
     """Show an error over time against its limits, and below it who makes it when.
 
     Shares are of the variance: they alone add up.
@@ -256,9 +256,7 @@ def _around(time: float, digits: int) -> str:
     return f"{float(f'{time / size:.{digits}g}'):.10g} {unit}"
 
 
-def _limits_on(
-    growth: Growth, limits: Sequence[OutputAssessment]
-) -> list[OutputAssessment]:
+def _limits_on(growth: Growth, limits: Sequence[LimitedOutput]) -> list[LimitedOutput]:
     """Return the limits on this error."""
     return [
         row
@@ -269,7 +267,7 @@ def _limits_on(
 
 
 @house_style()
-def draw_growth(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figure:
+def draw_growth(growth: Growth, limits: Sequence[LimitedOutput] = ()) -> Figure:
     """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
     figure = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
     figure.set_label(growth_title(growth))
@@ -298,7 +296,7 @@ def draw_growth(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figu
 
 
 def _draw_errors(
-    axes: Axes, growth: Growth, *, limits: Sequence[OutputAssessment]
+    axes: Axes, growth: Growth, *, limits: Sequence[LimitedOutput]
 ) -> None:
     """Draw how large the error is, and what it may be when."""
     x = np.array(growth.curve.times)

@@ -76,7 +76,7 @@ class LimitPart:
     needed=lambda row: row.floor * row.limit,
 )
 @dataclass(frozen=True, kw_only=True)
-class LimitedOutput(Documented):
+class SharedLimit(Documented):
     """One limit, and how it is shared out."""
 
     output: Output
@@ -438,7 +438,7 @@ class Allocation(Tabled):
     feasible: bool
     not_allocated: tuple[str, ...]  # sensors that have limits and are not given
     sources: tuple[SourceAllotment, ...]
-    outputs: tuple[LimitedOutput, ...]
+    outputs: tuple[SharedLimit, ...]
     checks: tuple[CoverageCheck, ...]
     costs: tuple[CostReport, ...]
     longer_tests: tuple[LongerTest, ...]
@@ -463,11 +463,11 @@ class Allocation(Tabled):
         return self.feasible and all(one.verdict in fine for _, one in self.standings)
 
     @property
-    def binding(self) -> tuple[LimitedOutput, ...]:
+    def binding(self) -> tuple[SharedLimit, ...]:
         """Outputs at their limits after the allocation."""
         return tuple(row for row in self.outputs if row.is_binding)
 
     @property
-    def impossible(self) -> tuple[LimitedOutput, ...]:
+    def impossible(self) -> tuple[SharedLimit, ...]:
         """Outputs whose limits are passed by what cannot be allocated."""
         return tuple(row for row in self.outputs if row.floor > 1.0)

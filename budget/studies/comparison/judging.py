@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from budget.names import Name
-    from budget.results import Doubt, OutputAssessment, ReadingVerdicts, Standing
+    from budget.results import Doubt, LimitedOutput, ReadingVerdicts, Standing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +59,7 @@ class JudgedCandidate:
     judged: Judged
     closer: Judged  # with as many as its rank took, for nothing but the rank
     standing: Standing
-    outputs: tuple[OutputAssessment, ...]  # the required ones
+    outputs: tuple[LimitedOutput, ...]  # the required ones
     # That which uses most of its limit; that and all that are equal by the law.
     worst: Name
     all_worst: tuple[Name, ...]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from budget.results import (
         Doubt,
         InputFile,
-        OutputAssessment,
+        LimitedOutput,
         Probability,
         ReadingVerdicts,
         Settings,
@@ -190,7 +190,7 @@ class DeviceVerdict(Entrant):
     worst_output: Name
     worst_outputs: tuple[Name, ...]  # that one and all that are equal to it by the law
     conformance: Probability  # all required outputs together
-    outputs: tuple[OutputAssessment, ...]
+    outputs: tuple[LimitedOutput, ...]
     remedy: Remedy
     trials: int | None
     advice: str
