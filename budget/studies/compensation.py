@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import Sensor
     from budget.problem import Output, Problem
-    from budget.studies.request import Analysis
+    from budget.question import Question
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,30 +89,30 @@ def outputs_of(sensor: Sensor, parameters: Problem) -> tuple[Output, ...]:
 
 
 def compensations(
-    analysis: Analysis,
+    question: Question,
 ) -> tuple[dict[str, Compensation], tuple[str, ...]]:
     """Return the matrices of every triad, and of which there are none, in words."""
     found: dict[str, Compensation] = {}
     absent = []
-    for sensor in analysis.sensors:
+    for sensor in question.sensors:
         kind = sensor.kind
-        known = estimated(kind, analysis.procedure)
+        known = estimated(kind, question.procedure)
         needed = [n for n in parameters_of(kind) if n.quantity != "scale_factor"]
         if held := [name for name in needed if name not in known]:
             absent.append(
                 sentence(
                     "cautions.no_matrices",
                     sensor=kind,
-                    procedure=analysis.procedure.name,
+                    procedure=question.procedure.name,
                     parameters=by_group(held),
                 )
             )
             continue
-        parameters = replace(analysis.alone(kind), requirement=None).problem
+        parameters = replace(question.alone(kind), requirement=None).problem
         invert = inversion_of(sensor, parameters)
         problem = parameters.then(invert, outputs_of(sensor, parameters))
         lacks = [
-            tuple(dict.fromkeys(line for name in own for line in analysis.lacks[name]))
+            tuple(dict.fromkeys(line for name in own for line in question.lacks[name]))
             for own in (needed, [n for n in needed if n.quantity == "mounting_angle"])
         ]
         found[kind] = Compensation(

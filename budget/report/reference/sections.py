@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.known import AT_LEAST, AT_MOST
 from budget.language import key_title, words
+from budget.question import read_name
 from budget.references.difference import EXACT, FALSE_ALARM, TOOL
 from budget.report.document import json_of
 from budget.report.figures.rows import chart_picture
@@ -21,7 +22,6 @@ from budget.report.tables import (
     source_title,
 )
 from budget.report.wording import capital
-from budget.studies.request import read_name
 from budget.version import __version__
 
 if TYPE_CHECKING:
