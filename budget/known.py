@@ -9,7 +9,11 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING, Self
 
+from budget.ties import settle
+
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from budget.names import Name
 
 AT_LEAST, AT_MOST = "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"
@@ -62,6 +66,17 @@ class Known(float):
         if not why:
             return cls(value)
         return cls(value, None if is_felt else -inf, inf, why)
+
+    @classmethod
+    def largest(cls, numbers: Iterable[Known]) -> Known:
+        """Return the largest of some: known no better than any of them."""
+        every = [*numbers]
+        return cls(
+            max(every, key=settle),
+            max(one.low for one in every),
+            max(one.high for one in every),
+            tuple(dict.fromkeys(name for one in every for name in one.why)),
+        )
 
     def __reduce__(self) -> tuple[type[Known], tuple[object, ...]]:
         """Return what it is made of again: it goes to other processes."""

@@ -68,14 +68,6 @@ written(
     unit: of all its numbers
     """,
 )(Output)
-written(
-    "standing",
-    """
-    sensor = 0 (str): or 'mission'
-    *1 as verdict
-    """,
-    said="A verdict and what it stands on, the same in every command.",
-)(tuple)
 
 
 class Tabled(Shown, Documented):
@@ -1282,14 +1274,26 @@ class ReadingVerdicts(Documented):
     text: in words
     """,
 )
+@written(
+    "caution",
+    """
+    kind
+    line
+    text: in words
+    bound [unit]
+    unit
+    """,
+    said="What qualifies a verdict, beside it wherever it stands.",
+)
 @dataclass(frozen=True, kw_only=True)
 class Condition(Documented):
     """What must hold for a verdict, or what decides it and has to be asked for.
 
-    Of a line that is not given, or of a use that nobody has stated.
+    Of a line that is not given, or of a use that nobody has stated. Or what qualifies
+    it, beside it wherever it stands.
     """
 
-    kind: str  # 'missing', 'temperature', 'vibration', 'age'
+    kind: str  # 'missing', 'temperature', 'vibration', 'age', ...
     line: Name
     text: str
     # The bound [SI]; None: none is needed, or none is known.
@@ -1303,28 +1307,55 @@ class Condition(Documented):
     # Lines of a use that nobody has stated, which its sheet does not give.
     silent: tuple[Name, ...] = ()
 
+    @property
+    def bound(self) -> float | None:
+        """The bound in its unit, where there is one."""
+        return None if self.below is None else self.below / self.si_per_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remedy:
+    """The source that limits a sensor, and what its line alone would have to be."""
+
+    source: Name
+    share: float  # of the variance of the worst output [1]
+    factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
+
+
+# Of what nobody can judge.
+UNJUDGED = Known(inf, low=-inf)
+NO_REMEDY = Remedy(source=INTERACTION, share=0.0, factor=None)
+NO_CONFORMANCE = Probability(value=0.0, low=0.0, high=1.0)
+
 
 @written(
-    "caution",
+    "sensor_verdict",
     """
-    kind
-    line
-    text: in words
-    bound [unit]
-    unit
+    sensor
+    *self as verdict
+    utilisation [1]: the largest over its required outputs
+    utilisation_interval [1]: 95 % sampling, and the law's error
+    worst_output: that uses most of its limit
+    worst_outputs: that one and all that are equal to it
+    limiting_source = remedy.source: with the largest share there
+    *known_conformance as conformance
+    trials: that were made; null by the law alone
+    expected_missing: lines that a 'meets' cannot do without
+    nothing_known: whether no error line is given
+    predicted? = doubt: where the verdict rests on predicted lines
+    not_estimated?: parameters with limits that are held in the test
+    readings?: verdicts under the readings of lines whose meaning is open
     """,
+    said="The verdict on one triad.",
 )
-@dataclass(frozen=True, kw_only=True)
-class Caution(Documented):
-    """What qualifies a verdict, beside it wherever it stands."""
-
-    kind: str
-    line: Name
-    text: str
-    bound: float | None = None  # [unit]
-    unit: str = ""
-
-
+@written(
+    "standing",
+    """
+    sensor: or 'mission'
+    *self as verdict
+    """,
+    said="A verdict and what it stands on, the same in every command.",
+)
 @written(
     "verdict",
     f"""
@@ -1335,21 +1366,24 @@ class Caution(Documented):
     mission or null: on which
     decision: by which rule limits are held
     conditions: that it rests on, or that decide
-    cautions
+    cautions as caution
     utilisation_at_ceilings = at_ceilings [1]: with every missing line at its ceiling;
       null where one has none
     """,
+    said="A verdict and what it stands on, the same in every command.",
 )
 @dataclass(frozen=True, kw_only=True)
-class Standing(Documented):
+class Verdict(Documented):
     """A verdict and what it stands on, the same in every command.
 
-    In words: after which calibration, at which station, in which use, of which mission.
+    On a sensor, on what belongs to both, or on a mission. In words: after which
+    calibration, at which station, in which use, of which mission.
     """
 
+    # 'meets', 'meets_if', 'predicted', 'undecided', 'undecidable', 'fails'.
     verdict: str
     conditions: tuple[Condition, ...] = ()  # that it holds if, or that decide
-    cautions: tuple[Caution, ...] = ()
+    cautions: tuple[Condition, ...] = ()
     # Utilisation with every missing line at its ceiling [1]; None: one has none.
     at_ceilings: float | None = None
     calibration: str = ""
@@ -1359,6 +1393,23 @@ class Standing(Documented):
     decision: str = ""  # by which rule limits are held
     # Lines that are not given and, whatever they are, take next to nothing of a limit.
     negligible: tuple[Name, ...] = ()
+    sensor: str = ""  # gyro, accelerometer; 'imu' of both, 'mission'
+    # Required outputs against their limits; () of what nobody can judge, and below.
+    outputs: tuple[LimitedOutput, ...] = ()
+    utilisation: Known = UNJUDGED  # the largest of them [1]
+    # 95 % sampling, and the law's error [1].
+    utilisation_interval: tuple[float, float] = (0.0, inf)
+    worst_outputs: tuple[Name, ...] = ()  # the worst, and all equal to it by the law
+    remedy: Remedy = NO_REMEDY
+    # Of all outputs together.
+    conformance: Probability = NO_CONFORMANCE
+    at_medians: bool = False  # its numbers are those at medians of predicted lines
+    trials: int | None = None  # that were made; None by the law alone
+    expected_missing: tuple[Name, ...] = ()  # lines that a 'meets' cannot do without
+    nothing_known: bool = False  # no error line is given: a 0 is no good news
+    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
+    not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
+    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
 
     @property
     def saturates(self) -> bool:
@@ -1396,64 +1447,19 @@ class Standing(Documented):
             use=self.use,
         )
 
-    def beside(self, other: Standing, *, verdict: str) -> Standing:
-        """Return how both stand as one: with the conditions and the cautions of both.
-
-        What both say alike stands once.
-        """
-        ceilings = (self.at_ceilings, other.at_ceilings)
-        known = [used for used in ceilings if used is not None]
-        return replace(
-            self,
-            verdict=verdict,
-            conditions=tuple(dict.fromkeys((*self.conditions, *other.conditions))),
-            cautions=tuple(dict.fromkeys((*self.cautions, *other.cautions))),
-            at_ceilings=max(known) if len(known) == len(ceilings) else None,
-        )
-
-
-@written(
-    "sensor_verdict",
-    """
-    sensor
-    *standing as verdict
-    utilisation [1]: the largest over its required outputs
-    utilisation_interval [1]: 95 % sampling, and the law's error
-    worst_output: that uses most of its limit
-    worst_outputs: that one and all that are equal to it
-    limiting_source: with the largest share there
-    *conformance as conformance
-    trials: that were made; null by the law alone
-    expected_missing: lines that a 'meets' cannot do without
-    nothing_known: whether no error line is given
-    predicted? = doubt: where the verdict rests on predicted lines
-    not_estimated?: parameters with limits that are held in the test
-    readings?: verdicts under the readings of lines whose meaning is open
-    """,
-)
-@dataclass(frozen=True, kw_only=True)
-class SensorAssessment:
-    """The verdict on one triad."""
-
-    sensor: str  # gyro or accelerometer
-    standing: Standing
-    utilisation: float  # the largest over its required outputs [1]
-    utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
-    worst_output: Name
-    worst_outputs: tuple[Name, ...]  # that one and all that are equal to it
-    limiting_source: Name
-    conformance: Probability | None  # of all its outputs together; None: not known
-    trials: int | None  # that were made; None by the law alone
-    expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
-    nothing_known: bool = False  # no error line is given: a 0 is no good news
-    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
-    not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
-    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
+    @property
+    def worst_output(self) -> Name:
+        """The output that uses most of its limit; of equal ones the first."""
+        return worst_of(self.outputs).output.name
 
     @property
-    def verdict(self) -> str:
-        """'meets', 'meets_if', 'predicted', 'undecided', 'undecidable', 'fails'."""
-        return self.standing.verdict
+    def known_conformance(self) -> Probability | None:
+        """None where its numbers are not those of what is there.
+
+        At the medians of predicted lines it would look better than it is.
+        """
+        is_other = self.at_medians or self.nothing_known or self.saturates
+        return None if is_other else self.conformance
 
     @property
     def is_near(self) -> bool:
@@ -1466,6 +1472,31 @@ class SensorAssessment:
         """Whether it is undecided because another reading of its lines fails."""
         is_all = self.readings is None or self.readings.passes == "all"
         return self.verdict == "undecided" and not self.is_near and not is_all
+
+    def beside(self, other: Verdict) -> Self:
+        """Return how both stand as one: the graver, what both hold if, and cautions.
+
+        What both say alike stands once; numbers are those of the one that uses most.
+        """
+        ceilings = (self.at_ceilings, other.at_ceilings)
+        known = [used for used in ceilings if used is not None]
+        both: tuple[Verdict, ...] = (self, other)
+        worst = max(both, key=lambda one: settle(one.utilisation))
+        return replace(
+            self,
+            verdict=max(self.verdict, other.verdict, key=VERDICTS.index),
+            outputs=(*self.outputs, *other.outputs),
+            utilisation=Known.largest(one.utilisation for one in both),
+            utilisation_interval=worst.utilisation_interval,
+            worst_outputs=worst.worst_outputs,
+            remedy=worst.remedy,
+            at_medians=self.at_medians or other.at_medians,
+            doubt=None,
+            readings=None,
+            conditions=tuple(dict.fromkeys((*self.conditions, *other.conditions))),
+            cautions=tuple(dict.fromkeys((*self.cautions, *other.cautions))),
+            at_ceilings=max(known) if len(known) == len(ceilings) else None,
+        )
 
 
 @written(
@@ -1507,7 +1538,7 @@ class Assessment(Documented):
 
     requirement: str  # its name
     outputs: tuple[LimitedOutput, ...]
-    sensors: tuple[SensorAssessment, ...]
+    sensors: tuple[Verdict, ...]
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()

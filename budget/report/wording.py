@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         Doubt,
         LimitedOutput,
         Settings,
-        Standing,
+        Verdict,
     )
 
 __all__ = [
@@ -42,7 +42,7 @@ __all__ = [
 NAMED = ("scale_factor", "mounting_angle", "bias", "position", "velocity", "attitude")
 
 
-def standing_lines(standing: Standing) -> tuple[str, ...]:
+def standing_lines(standing: Verdict) -> tuple[str, ...]:
     """Say what a verdict stands on: its conditions, or what decides; cautions.
 
     The same sentences in every command and on every page.
@@ -50,12 +50,12 @@ def standing_lines(standing: Standing) -> tuple[str, ...]:
     return lines("standing", "stands", standing=standing)
 
 
-def deciding_lines(standing: Standing) -> tuple[str, ...]:
+def deciding_lines(standing: Verdict) -> tuple[str, ...]:
     """Say what a verdict depends on."""
     return lines("standing", "deciding", standing=standing)
 
 
-def standing_blocks(standing: Standing) -> tuple[Block, ...]:
+def standing_blocks(standing: Verdict) -> tuple[Block, ...]:
     """Return what a verdict stands on, below its headline."""
     return blocks("standing", "below", standing=standing)
 

@@ -94,7 +94,7 @@ if TYPE_CHECKING:
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
     from budget.problem import Output, Problem
-    from budget.results import Standing
+    from budget.results import Verdict
 
 RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # limit over U of the station [1]
 GUARD, MOST_GUARD = 1.0, 10.0  # r, of a guard band r U [1]
@@ -349,7 +349,7 @@ class Qualification(Tabled):
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     # Verdicts on what is calibrated by this test, at its own station, by triad.
-    standings: tuple[tuple[str, Standing], ...] = ()
+    standings: tuple[Verdict, ...] = ()
 
     @property
     def own(self) -> StationVerdict | None:
@@ -475,9 +475,7 @@ def qualify(
     )
 
 
-def _standings(
-    devices: tuple[Device, ...], case: _Case
-) -> tuple[tuple[str, Standing], ...]:
+def _standings(devices: tuple[Device, ...], case: _Case) -> tuple[Verdict, ...]:
     """Judge each triad after the test, as every command does."""
     found = []
     for sensor in case.sensors:
@@ -489,7 +487,7 @@ def _standings(
         )
         standing = stand(one, seed=0)
         if standing is not None:
-            found.append((sensor.kind, standing))
+            found.append(standing)
     return tuple(found)
 
 

@@ -29,7 +29,7 @@ from budget.report.pages import blocks, line
 from budget.report.tables import print_given
 from budget.ties import first_largest
 from budget.units import PPM
-from zhao_2019.printed import Verdict
+from zhao_2019.printed import Agreement
 
 if TYPE_CHECKING:
     from typing import Any
@@ -49,7 +49,7 @@ ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1
 
 NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
-FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
+FITS = (Agreement.FITS_MEAN, Agreement.FITS_SINGLE)
 JOINED = ", all "  # in the place of a row that speaks of all axes
 said = partial(line, PAGE)
 
@@ -137,7 +137,7 @@ def ratio_chart(study: PaperStudy) -> Chart:
     ratios = [row.ratio or 1.0 for row in rows]
     far = rows[first_largest([max(ratio, 1.0 / ratio) for ratio in ratios])]
     fits = sum(row.verdict in FITS for row in rows)
-    is_open = any(row.verdict == Verdict.UNEXPLAINED for row in rows)
+    is_open = any(row.verdict == Agreement.UNEXPLAINED for row in rows)
     scale = Scale(
         low=min(*ratios, 1.0) / AIR,
         high=max(*ratios, 1.0) * AIR,
@@ -172,7 +172,7 @@ def _row(row: Finding) -> Row:
         label=said("ratio_label", row=row),
         marks=(mark,),
         beside=(ratio,),
-        strong=row.verdict == Verdict.UNEXPLAINED,
+        strong=row.verdict == Agreement.UNEXPLAINED,
         said=said("ratio_said", row=row, ratio=ratio),
     )
 

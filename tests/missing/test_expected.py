@@ -205,8 +205,8 @@ def test_the_undecidable_come_before_those_that_fail():
 
     assert gyro_ranks(comparison) == ["bare", "bad"]
     assert found["bare"].verdict == "undecidable"
-    assert found["bare"].lower_bound
-    assert not found["bad"].lower_bound
+    assert found["bare"].utilisation.is_bound
+    assert not found["bad"].utilisation.is_bound
     assert found["bare"].on_front == ()
     assert "mass" in found["bad"].on_front
     assert "bare" not in pareto_title(table, "mass")

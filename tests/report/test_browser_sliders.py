@@ -305,7 +305,7 @@ def test_conditions_leave_a_pass_that_holds_if(browser, tmp_path):
             for factor in FACTORS
         ]
 
-    (standing,) = (one.standing for one in budget.assessment.sensors)
+    (standing,) = (one for one in budget.assessment.sensors)
     assert record.complaints == []
     assert_says(first, "Gyro: MEETS IF", "gyro mounting repeatability stays below")
     assert standing.verdict == "meets_if"

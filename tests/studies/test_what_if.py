@@ -592,7 +592,7 @@ def test_at_the_ceilings_it_uses_what_the_verdict_says():
     )
     assert model.added[0].any()
     # The rest is the mean, of second order.
-    assert_allclose(used.max(), sensor.standing.at_ceilings, rtol=1e-3)
+    assert_allclose(used.max(), sensor.at_ceilings, rtol=1e-3)
 
 
 def test_limits_together_are_not_said_to_be_kept():

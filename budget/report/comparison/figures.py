@@ -125,7 +125,7 @@ def _columns(rows: Sequence[Device]) -> list[list[int]]:
 
 def map_title(table: Ranking) -> str:
     """State the finding: which output is the tightest for most devices."""
-    rows = [row for row in table.measured if not row.of.lower_bound]
+    rows = [row for row in table.measured if not row.of.utilisation.is_bound]
     tightest = Counter(row.of.worst_output.quantity for row in rows)
     return said("map_title", table=table, rows=rows, most=tightest.most_common(1))
 
@@ -345,7 +345,7 @@ def _draw_point(axes: Axes, row: Device, cost: float, *, is_best: bool) -> Line2
     y = 100.0 * max(row.of.utilisation, LEAST)
     sure = row.of.verdict in SURE
     colour = BLUE if is_best else MUTED
-    if row.of.lower_bound:  # there, or above
+    if row.of.utilisation.is_bound:  # there, or above
         top = axes.get_ylim()[1]
         axes.plot([cost, cost], [y, top], color=MUTED, linewidth=0.9, zorder=1)
     (point,) = axes.plot(

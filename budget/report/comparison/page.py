@@ -208,10 +208,9 @@ def _standing(
         for one in sorted(
             comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)
         )
-        if one.standing.saturates
-        or (is_refused and one.verdict not in {"undecidable", "fails"})
-        for said in [deciding_lines if one.standing.saturates else standing_lines]
-        if (lines := said(one.standing))
+        if one.saturates or (is_refused and one.verdict not in {"undecidable", "fails"})
+        for said in [deciding_lines if one.saturates else standing_lines]
+        if (lines := said(one))
     )
 
 
@@ -223,13 +222,13 @@ def _beside(
     Of those that fail their row says why; one that saturates is nowhere left out.
     """
     best = [row.of for table in found for row in table.first(BEST)]
-    lost = [one for one in comparison.nothing_known if one.standing.saturates]
+    lost = [one for one in comparison.nothing_known if one.saturates]
     shown = [one for one in (*best, *lost) if one.verdict != "fails"]
     return {
         macro: _together(
             ((one.sensor, text), one.name)
             for one in shown
-            for text in lines("standing", macro, standing=one.standing)
+            for text in lines("standing", macro, standing=one)
         )
         for macro in ("deciding", "cautions")
     }

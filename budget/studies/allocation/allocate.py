@@ -78,7 +78,7 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
-    from budget.results import Standing
+    from budget.results import Verdict
     from budget.studies.allocation.cases import Bounds, SensorCase
     from budget.studies.progress import Progress
 
@@ -238,7 +238,7 @@ def allocate(
         not_allocated=missing,
         not_estimated=limited_but_held(there, how, wanted.outputs),
         standings=tuple(
-            (case.owner, standing)
+            standing
             for case in cases
             if feasible and case.s is not None
             for standing in [_standing(case, imus, comparable, seed=seed)]
@@ -313,7 +313,7 @@ def _standing(
     catalogue: tuple[Device, ...] | None,
     *,
     seed: int,
-) -> Standing | None:
+) -> Verdict | None:
     """Return the verdict on what is allocated, as every command gives it."""
     return stand(
         Case(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.records import Device, Sensor
     from budget.problem import Output
-    from budget.results import InputFile, Standing
+    from budget.results import InputFile, Verdict
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
 
@@ -452,7 +452,7 @@ class Allocation(Tabled):
     not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
     is_joint: bool = False  # its limits are to be kept together; each was shared out
     # Of what is allocated, by the owner of the limits; () where nothing is.
-    standings: tuple[tuple[str, Standing], ...] = ()
+    standings: tuple[Verdict, ...] = ()
 
     def is_met(self, accepted: Sequence[str]) -> bool:
         """Whether what is allocated has one of these verdicts, or is at its limit.
@@ -460,7 +460,7 @@ class Allocation(Tabled):
         At a limit, which is where an allocation ends, no trials decide.
         """
         fine = {*accepted, "undecided"}
-        return self.feasible and all(one.verdict in fine for _, one in self.standings)
+        return self.feasible and all(one.verdict in fine for one in self.standings)
 
     @property
     def binding(self) -> tuple[SharedLimit, ...]:

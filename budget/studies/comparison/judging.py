@@ -13,29 +13,31 @@ from budget.methods.execution import in_order
 from budget.methods.gum import propagate
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
-from budget.studies.comparison.candidates import Candidate, find_remedy
-from budget.studies.comparison.records import Lead, Remedy
-from budget.studies.doubt import doubt_of
+from budget.sentences import sentence
+from budget.studies.comparison.candidates import missing_lines
+from budget.studies.comparison.records import Entrant, Lead, UnknownCap
+from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import (
     MAX_TRIALS,
     STEP,
     TRIALS,
-    Judged,
-    assess_outputs,
     can_sharpen,
     judge,
     judge_with,
     screen,
 )
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import FAILS, decide
+from budget.studies.verdicts import FAILS, verdict_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
-    from budget.names import Name
-    from budget.results import Doubt, LimitedOutput, ReadingVerdicts, Standing
+    from budget.results import Verdict
+    from budget.studies.comparison.candidates import Candidate
+
+
+NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,26 +53,6 @@ class Judging:
     validate: bool  # whether Monte Carlo checks the law, by gum
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JudgedCandidate:
-    """What is kept of one candidate; its law and its trials are not."""
-
-    # With as many trials as the verdict took: what every command says of it.
-    judged: Judged
-    closer: Judged  # with as many as its rank took, for nothing but the rank
-    standing: Standing
-    outputs: tuple[LimitedOutput, ...]  # the required ones
-    # That which uses most of its limit; that and all that are equal by the law.
-    worst: Name
-    all_worst: tuple[Name, ...]
-    remedy: Remedy
-    doubt: Doubt | None  # where missing lines are predicted
-    readings: ReadingVerdicts | None  # where the meaning of lines is open
-    normals: int  # that a trial of its Problem draws
-    impossible: tuple[str, ...]  # outputs beyond their limits without any source
-    doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
-
-
 def judge_all(
     candidates: Sequence[Candidate],
     judging: Judging,
@@ -78,16 +60,16 @@ def judge_all(
     executor: Executor | None,
     ahead: int,
     progress: Callable[[int, int], None] | None,
-) -> list[JudgedCandidate]:
+) -> list[Entrant]:
     """Judge all; those whose rank is open are looked at again with more trials.
 
     `ahead` candidates are given out at once; `progress` is called with the judgements
     done and those in all.
     """
-    findings: dict[int, JudgedCandidate] = {}
+    findings: dict[int, Entrant] = {}
     done = 0
 
-    def take(places: Sequence[int], work: Callable[..., JudgedCandidate]) -> None:
+    def take(places: Sequence[int], work: Callable[..., Entrant]) -> None:
         nonlocal done
         total = done + len(places)
         tasks = [(candidates[place], findings.get(place)) for place in places]
@@ -110,7 +92,7 @@ def judge_all(
     return [findings[place] for place in range(len(candidates))]
 
 
-def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate:
+def _judge(task: tuple[Candidate, None], *, judging: Judging) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
     one, _ = task
     held = one.limited()
@@ -139,10 +121,6 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         )
     beyond = np.abs(law.value[held.rows]) >= held.limits
     names = [output.name for output in held.outputs]
-    missing = (*one.missing, *held.absent)
-    doubt = None
-    if prediction is not None and not missing:
-        doubt = doubt_of(prediction, held, law, judged)
     readings = None
     if prediction is None and len(one.sensors) == 1:
         by_law = judging.method == "gum" and not judging.validate
@@ -155,37 +133,69 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
             by_law=by_law,
             taken=judged if by_law or is_usual else None,
         )
-    standing = decide(
+    verdict = verdict_on(
         one.case,
         held,
         law,
         judged,
         seed=judging.seed,
-        doubt=doubt,
+        lacks=one.lacks(held),
         readings=readings,
     )
-    return JudgedCandidate(
+    used = judged.utilisation
+    is_near = NEAR[0] <= used <= NEAR[1]
+    # Trials make no difference to what missing lines leave open.
+    is_open = verdict.doubt is None and judged.trials is None
+    is_open = is_open and (is_near or judged.is_open)
+    found = entrant_of(one, verdict)
+    return replace(
+        found,
+        advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
+        at_medians=found.missing is not None and prediction is not None,
         judged=judged,
-        closer=judged,
-        standing=standing,
-        outputs=assess_outputs(held, judged, standing, one.lacks(held)),
-        worst=names[judged.worst],
-        all_worst=tuple(names[place] for place in judged.all_worst),
-        remedy=find_remedy(held, law, judged),
-        doubt=doubt,
-        readings=readings,
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,
     )
 
 
+def entrant_of(one: Candidate, verdict: Verdict) -> Entrant:
+    """Return what is said of every candidate, whether it can be judged or not."""
+    device, caps = one.device, one.requirement.caps
+    return Entrant(
+        **vars(verdict) | {"sensor": one.owner},
+        name=device.name,
+        place=one.place,
+        procedure=one.procedure.name,
+        file=device.origin.file,
+        technology=device.technology,
+        vendor=device.vendor,
+        not_given=tuple(name for one in one.sensors for name in one.not_given),
+        missing=missing_lines(one, verdict),
+        price=device.price,
+        mass=device.mass,
+        power=device.power,
+        over_caps=tuple(
+            text
+            for merit, cap in caps
+            if merit in MERITS
+            and (text := over_cap(merit, getattr(device, merit), cap))
+        ),
+        unknown_caps=tuple(
+            UnknownCap(merit=merit, cap=cap, text=text)
+            for merit, cap in caps
+            if merit in MERITS
+            and not is_known(merit, text := getattr(device, merit), cap)
+        ),
+    )
+
+
 def _look_closer(
-    task: tuple[Candidate, JudgedCandidate], *, judging: Judging, trials: int
-) -> JudgedCandidate:
+    task: tuple[Candidate, Entrant], *, judging: Judging, trials: int
+) -> Entrant:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
-    if (finding.closer.trials or 0) >= trials:
+    if (finding.looked_at.trials or 0) >= trials:
         return finding
     held = one.limited()
     closer = judge_with(
@@ -199,7 +209,7 @@ def _look_closer(
 
 def _tied(
     candidates: Sequence[Candidate],
-    findings: dict[int, JudgedCandidate],
+    findings: dict[int, Entrant],
     max_trials: int,
 ) -> list[int]:
     """Return the places that a neighbour ties with, where more trials can tell.
@@ -212,14 +222,14 @@ def _tied(
     for place, one in enumerate(candidates):
         if one.missing or one.filling.lines:
             continue  # no trial says how a line that is not given would rank it
-        if findings[place].standing.verdict == FAILS:
+        if findings[place].verdict == FAILS:
             continue
-        key = (one.owner, one.procedure.name, findings[place].standing.verdict)
+        key = (one.owner, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():
-        order = sorted(places, key=lambda p: findings[p].judged.utilisation)
+        order = sorted(places, key=lambda p: findings[p].utilisation)
         for better, worse in itertools.pairwise(order):
-            a, b = (findings[place].closer for place in (better, worse))
+            a, b = (findings[place].looked_at for place in (better, worse))
             if is_same(a.ends, b.ends):
                 continue  # what decides is the same lines: no trial parts them
             step = Lead(other="", probability=probability_smaller(a.ends, b.ends))
@@ -234,7 +244,7 @@ def _tied(
         twins = [
             pair
             for pair in itertools.pairwise(order)
-            if is_same(*(findings[place].closer.ends for place in pair))
+            if is_same(*(findings[place].looked_at.ends for place in pair))
         ]
         for pair in (*twins, *reversed(twins)):
             if found & {*pair}:
