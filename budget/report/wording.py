@@ -14,13 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from budget.report.blocks import Block
-    from budget.results import (
-        Assessment,
-        Doubt,
-        LimitedOutput,
-        Settings,
-        Verdict,
-    )
+    from budget.results import Assessment, Doubt, LimitedOutput, Verdict
+    from budget.settings import Settings
 
 __all__ = [
     "VERDICTS",

@@ -18,7 +18,7 @@ from budget.earth import ROTATION_RATE
 from budget.names import ANGLES, AXES
 from budget.sentences import sentence
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
-from zhao_2019.printed import Finding, Agreement
+from zhao_2019.printed import Agreement, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

@@ -33,8 +33,8 @@ from zhao_2019.printed import (
     U_SINGLE,
     UNITS,
     VALUE,
-    Finding,
     Agreement,
+    Finding,
     agrees_if,
     say_number,
 )

@@ -20,7 +20,7 @@ from budget.units import ARCSEC, DEG_PER_HOUR
 from zhao_2019.conditions import PLACES, load_conditions, only_sources
 from zhao_2019.formulas import formula_findings
 from zhao_2019.orders import compute_sweeps, order_findings, sweep_findings
-from zhao_2019.printed import Finding, Agreement, say_number
+from zhao_2019.printed import Agreement, Finding, say_number
 from zhao_2019.readings import MOUNTING, readings
 from zhao_2019.table1 import reading_findings, table1_findings
 

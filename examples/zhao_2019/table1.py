@@ -33,8 +33,8 @@ from zhao_2019.printed import (
     RUNS,
     U_MEAN,
     U_SINGLE,
-    Finding,
     Agreement,
+    Finding,
     agrees_if,
     say_number,
 )
@@ -95,7 +95,9 @@ def reading_findings(
     findings = []
     for reading in readings:
         is_single = reading.runs == 1
-        verdict = Agreement.READING_FITS if reading.fits_row else Agreement.READING_FAILS
+        verdict = (
+            Agreement.READING_FITS if reading.fits_row else Agreement.READING_FAILS
+        )
         for parameter in filter(reading.is_random, PLACES):
             place, found = PLACES[parameter], reading.fit(parameter)
             # Where the reading has a mean, deviations from it are what is random.

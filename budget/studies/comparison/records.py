@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     from budget.missing import Filling
     from budget.names import Name
-    from budget.results import InputFile, Settings
+    from budget.results import InputFile
+    from budget.settings import Settings
     from budget.studies.judgement import Judged
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
