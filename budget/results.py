@@ -71,8 +71,13 @@ written(
 )(Output)
 
 
-class Tabled(Shown, Documented):
-    """A result of a study that is a table."""
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Study(Shown, Documented):
+    """What a study has found, a table, and what it rests on."""
+
+    inputs: tuple[InputFile, ...]  # files that it depends on
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     def to_frame(self) -> pd.DataFrame:
         """Return its rows as a pandas frame, in printed units."""
@@ -231,6 +236,45 @@ class Radii:
 CEP, R95 = 0.5, 0.95  # coverages of these [1]
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LimitedOutput(Documented):
+    """An output and its limit, where it has one."""
+
+    output: Output
+    limit: float = inf  # on the absolute error [SI]
+    printed_limit: str = ""  # as the requirement file gives it
+    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
+
+    @property
+    def sensor(self) -> str:
+        """Owner of the output: gyro, accelerometer or, of both together, imu."""
+        return self.output.name.owner
+
+    @property
+    def parameter(self) -> str:
+        """scale_factor, mounting_angle, bias, or what is derived of them."""
+        return self.output.name.quantity
+
+    @property
+    def axis(self) -> str:
+        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
+        return self.output.name.axis
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether anything that is given reaches it."""
+        return True
+
+    def known(self, size: float) -> Known:
+        """Return a size of it, which a line that is not given would add to."""
+        return Known.of(size, self.lacks, is_felt=self.is_resolved)
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether its sizes are this or more: a line that reaches it lacks."""
+        return bool(self.lacks)
+
+
 @written(
     "limited_output",
     """
@@ -250,33 +294,14 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
     said="One required output against its limit.",
 )
 @dataclass(frozen=True, kw_only=True, slots=True)
-class LimitedOutput(Documented):
-    """One output: how large its error is and, where it has one, its limit [SI]."""
+class JudgedOutput(LimitedOutput):
+    """One output, how large its error is, and its limit, where it has one [SI]."""
 
-    output: Output
     standard_uncertainty: float
     interval: tuple[float, float]  # coverage interval
     interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
     coverage: float | None = None  # of its interval; None: the usual one [1]
-    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
-    limit: float = inf  # on the absolute error
-    printed_limit: str = ""  # as the requirement file gives it
     conformance: float = 1.0  # probability that the error is within the limit [1]
-
-    @property
-    def sensor(self) -> str:
-        """Owner of the output: gyro, accelerometer or, of both together, imu."""
-        return self.output.name.owner
-
-    @property
-    def parameter(self) -> str:
-        """scale_factor, mounting_angle, bias, or what is derived of them."""
-        return self.output.name.quantity
-
-    @property
-    def axis(self) -> str:
-        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
-        return self.output.name.axis
 
     @property
     def by_trials(self) -> bool:
@@ -288,19 +313,10 @@ class LimitedOutput(Documented):
         """Whether the spread is more than the rounding of the computation."""
         return self.standard_uncertainty > self.output.resolution
 
-    def known(self, size: float) -> Known:
-        """Return a size of it, which a line that is not given would add to."""
-        return Known.of(size, self.lacks, is_felt=self.is_resolved)
-
     @property
     def u(self) -> Known:
         """Its standard uncertainty, as far as it is known [SI]."""
         return self.known(self.standard_uncertainty)
-
-    @property
-    def lower_bound(self) -> bool:
-        """Whether the uncertainty is this or more: a line that reaches it lacks."""
-        return bool(self.lacks)
 
     @property
     def is_unknown(self) -> bool:
@@ -323,7 +339,7 @@ class LimitedOutput(Documented):
         return settle(self.utilisation) <= 1.0
 
 
-def worst_of(rows: Sequence[LimitedOutput]) -> LimitedOutput:
+def worst_of(rows: Sequence[JudgedOutput]) -> JudgedOutput:
     """Return the output that uses most of its limit; of equal ones the first."""
     return rows[first_largest([row.utilisation for row in rows])]
 
@@ -355,7 +371,7 @@ def worst_of(rows: Sequence[LimitedOutput]) -> LimitedOutput:
     """,
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class OutputBudget(Shown, LimitedOutput):
+class OutputBudget(Shown, JudgedOutput):
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
     mean: float
@@ -794,7 +810,7 @@ class Filtered:
     said="A line in the place of an expected one that is not given.",
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Budget(Shown, Documented):
+class Budget(Study):
     """The error budget of a calibration: every output, and how they go together.
 
     Or of a mission after it, whose outputs are errors of navigation at some times.
@@ -815,13 +831,10 @@ class Budget(Shown, Documented):
 
     command: str
     title: str
-    inputs: tuple[InputFile, ...]
     settings: Settings
     outputs: tuple[OutputBudget, ...]
     covariance: Array = field(repr=False)
     not_given: tuple[Name, ...]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     matrices: Mapping[str, Compensation] = field(default_factory=dict)
@@ -1309,7 +1322,7 @@ class Verdict(Documented):
     negligible: tuple[Name, ...] = ()
     sensor: str = ""  # gyro, accelerometer; 'imu' of both, 'mission'
     # Required outputs against their limits; () of what nobody can judge, and below.
-    outputs: tuple[LimitedOutput, ...] = ()
+    outputs: tuple[JudgedOutput, ...] = ()
     utilisation: Known = UNJUDGED  # the largest of them [1]
     # 95 % sampling, and the law's error [1].
     utilisation_interval: tuple[float, float] = (0.0, inf)
@@ -1451,7 +1464,7 @@ class Assessment(Documented):
     """A budget held against a requirement."""
 
     requirement: str  # its name
-    outputs: tuple[LimitedOutput, ...]
+    outputs: tuple[JudgedOutput, ...]
     sensors: tuple[Verdict, ...]
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
@@ -1479,7 +1492,7 @@ class Assessment(Documented):
         return found
 
     @property
-    def judged(self) -> tuple[LimitedOutput, ...]:
+    def judged(self) -> tuple[JudgedOutput, ...]:
         """Outputs of which something is known."""
         unknown = {one.sensor for one in self.sensors if one.nothing_known}
         return tuple(
@@ -1488,7 +1501,7 @@ class Assessment(Documented):
             if row.output.name.owner not in unknown and not row.is_unknown
         )
 
-    def outcome(self, row: LimitedOutput) -> str:
+    def outcome(self, row: JudgedOutput) -> str:
         """Return 'conforms', 'does not conform', or 'open' where its sensor's limit is.
 
         In the words of JCGM 106:2012, the largest error being held against the limit.
@@ -1502,7 +1515,7 @@ class Assessment(Documented):
         return "conforms" if row.is_within else "does not conform"
 
     @property
-    def open_rows(self) -> tuple[LimitedOutput, ...]:
+    def open_rows(self) -> tuple[JudgedOutput, ...]:
         """Outputs that lines not given leave open; on conditions they are within."""
         waits = {one.sensor for one in self.sensors if one.verdict != "meets_if"}
         return tuple(

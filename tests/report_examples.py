@@ -30,7 +30,7 @@ from budget.results import (
     Condition,
     Contribution,
     InputFile,
-    LimitedOutput,
+    JudgedOutput,
     OutputBudget,
     Probability,
     Remedy,
@@ -417,7 +417,7 @@ def make_assessment(budget, limits=None, **verdicts):
             printed, number = limits[group]
             limit = number * row.output.si_per_unit
             outputs.append(
-                LimitedOutput(
+                JudgedOutput(
                     output=row.output,
                     limit=limit,
                     printed_limit=printed,

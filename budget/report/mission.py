@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.report.blocks import Block
     from budget.report.tables import Unit
-    from budget.results import Assessment, Budget, LimitedOutput, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
 
 PLANE = LENGTHS["position"]
 HOUR = 3600.0  # [s]
@@ -265,7 +265,7 @@ def rate_per_hour(moments: Sequence[ErrorsAtTime]) -> tuple[float, Number] | Non
 def limits_blocks(
     usual: float,
     assessment: Assessment,
-    rows: Iterable[LimitedOutput],
+    rows: Iterable[JudgedOutput],
     worst: Iterable[tuple[Name, str]] = (),
 ) -> tuple[Block, ...]:
     """Return each limit on a mission, with its own probability, else the usual one.

@@ -85,7 +85,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Block, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable, OutputRow
-    from budget.results import LimitedOutput, Tabled
+    from budget.results import JudgedOutput, Study
 
 T = TypeVar("T")
 MOST = 10  # rows of a small table
@@ -242,7 +242,7 @@ def _matter(budget: Budget) -> Iterator[Line]:
             yield line
 
 
-def _limits(budget: Budget) -> dict[Name, LimitedOutput]:
+def _limits(budget: Budget) -> dict[Name, JudgedOutput]:
     """Return what is limited of a budget, by the names of outputs."""
     found = budget.assessment
     return {} if found is None else {row.output.name: row for row in found.outputs}
@@ -342,7 +342,7 @@ def export_text(found: Export) -> str:
     return write_export(found)
 
 
-def study_frame(found: Tabled) -> pd.DataFrame:
+def study_frame(found: Study) -> pd.DataFrame:
     """Return the rows of a study as a pandas frame; empty cells are missing.
 
     Of a comparison and a decision those are devices, best first.

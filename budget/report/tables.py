@@ -25,7 +25,7 @@ if TYPE_CHECKING:
         Budget,
         Doubt,
         InputQuantity,
-        LimitedOutput,
+        JudgedOutput,
         OutputBudget,
         Probability,
     )
@@ -326,12 +326,12 @@ def round_u(u: float, output: Output) -> Number:
     return Number.of(u / scale, text)
 
 
-def used_part(row: LimitedOutput) -> Number:
+def used_part(row: JudgedOutput) -> Number:
     """Round the part of its limit that an output uses: '98.7 %', '≥ 42.0 %', '?'."""
     return Number.of(row.utilisation, print_utilisation(row.utilisation))
 
 
-def as_limited(row: LimitedOutput) -> LimitedOutput:
+def as_limited(row: JudgedOutput) -> JudgedOutput:
     """Return an output of a mission in the unit of its limit, others as they are.
 
     An error below a tenth of that unit is in its own: 2.7 m, not 0.0027 km.
@@ -348,7 +348,7 @@ def as_limited(row: LimitedOutput) -> LimitedOutput:
     return replace(row, output=output)
 
 
-def largest_error(row: LimitedOutput) -> Number:
+def largest_error(row: JudgedOutput) -> Number:
     """Round a largest error, in the unit of the output; marked where it is a bound."""
     u = row.standard_uncertainty
     return round_error(row.largest_error, u, row.output, limit=row.limit)

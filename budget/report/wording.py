@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from budget.report.blocks import Block
-    from budget.results import Assessment, Doubt, LimitedOutput, Verdict
+    from budget.results import Assessment, Doubt, JudgedOutput, Verdict
     from budget.settings import Settings
 
 __all__ = [
@@ -75,7 +75,7 @@ def doubt_sentence(doubt: Doubt, *, of: str) -> str:
     return line("words", "doubt", doubt=doubt, of=of)
 
 
-def outcome_words(assessment: Assessment, row: LimitedOutput) -> str:
+def outcome_words(assessment: Assessment, row: JudgedOutput) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     return line("words", "outcome", assessment=assessment, row=row)
 

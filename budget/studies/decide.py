@@ -13,7 +13,7 @@ from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import IMU, MISSION
-from budget.results import VERDICTS, Tabled, Verdict
+from budget.results import VERDICTS, Study, Verdict
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
-    from budget.results import Condition, InputFile
+    from budget.results import Condition
     from budget.settings import Progress, Settings
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
@@ -210,7 +210,7 @@ class Purchase(Documented):
     commands="decide",
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Decision(Tabled):
+class Decision(Study):
     """What to buy for a requirement, of the devices that were offered."""
 
     requirement: str
@@ -218,10 +218,7 @@ class Decision(Tabled):
     calibrations: tuple[str, ...]
     purchases: tuple[Purchase, ...]
     not_compared: tuple[str, ...]  # sensors that are limited, and no device has
-    inputs: tuple[InputFile, ...]
     settings: Settings
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     @property
     def is_met(self) -> bool:

@@ -47,7 +47,7 @@ from budget.results import (
     BY_TRIALS,
     NO_REMEDY,
     TINY,
-    LimitedOutput,
+    JudgedOutput,
     Probability,
     Remedy,
 )
@@ -533,7 +533,7 @@ def assess_outputs(
     judged: Judged,
     verdict: Verdict,
     lacks: Mapping[Name, tuple[Name, ...]],
-) -> tuple[LimitedOutput, ...]:
+) -> tuple[JudgedOutput, ...]:
     """Return every required output against its limit.
 
     `lacks` are the lines that are not given and would widen an output, by its name;
@@ -541,7 +541,7 @@ def assess_outputs(
     """
     open_to = [verdict.matter(lacks[output.name]) for output in held.outputs]
     return tuple(
-        LimitedOutput(
+        JudgedOutput(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],

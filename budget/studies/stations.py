@@ -69,7 +69,7 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.question import given_lines, not_weighted, sensors_of
-from budget.results import InputFile, Tabled, input_files
+from budget.results import InputFile, LimitedOutput, Study, input_files
 from budget.sentences import sentence
 from budget.studies.blunders import against_limits
 from budget.studies.verdicts import Case, stand
@@ -194,12 +194,9 @@ class StationFigure(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class StationOutput(Documented):
+class StationOutput(LimitedOutput):
     """One limited output at one station."""
 
-    output: Output
-    limit: float  # [SI]
-    printed_limit: str
     expanded: float  # U of the station alone, at the coverage of the requirement [SI]
     utilisation: float  # U over limit / R [1]
     sources: tuple[Name, ...]  # that take most of it; () where it is 0
@@ -329,11 +326,10 @@ class StationVerdict(Documented):
     most_false_accept=lambda _: MOST_FALSE_ACCEPT,
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Qualification(Tabled):
+class Qualification(Study):
     """Everything that `budget station` says."""
 
     title: str
-    inputs: tuple[InputFile, ...]
     requirement: str
     procedure: Procedure
     ratio: float  # R [1]
@@ -346,8 +342,6 @@ class Qualification(Tabled):
     stations: tuple[StationVerdict, ...]  # the procedure's own first
     # Correlation and warm-up time that figures were found with, by source [s].
     times: Mapping[Name, float]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     # Verdicts on what is calibrated by this test, at its own station, by triad.
     standings: tuple[Verdict, ...] = ()
 

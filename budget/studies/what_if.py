@@ -36,12 +36,13 @@ from budget.distributions import normal_coverage_factor
 from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs.use import STATED
+from budget.known import Known
 from budget.language import axis_title, key_title, say
 from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import given_lines, limited_but_held, question_of
-from budget.results import BY_LAW
+from budget.results import BY_LAW, LimitedOutput, Verdict
 from budget.sentences import sentence
 from budget.studies.conformity import margins
 from budget.studies.verdicts import (
@@ -137,16 +138,6 @@ class WhatIfSensor:
     doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SensorOutlook:
-    """The verdict on one sensor at changed sources."""
-
-    sensor: str
-    verdict: str  # one of budget.studies.verdicts.VERDICTS
-    utilisation: float  # the largest over its required outputs [1]
-    worst_output: Name  # dotted name
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outlook:
     """What the law says at changed sources."""
@@ -160,7 +151,7 @@ class Outlook:
     share: Array
     # Of each output; None where nothing is required [1].
     utilisation: tuple[float | None, ...]
-    sensors: tuple[SensorOutlook, ...]  # of the sensors of which something is required
+    sensors: tuple[Verdict, ...]  # of the sensors of which something is required
 
 
 @written(
@@ -170,7 +161,7 @@ class Outlook:
     sensor = output.name.owner
     title (str): in words
     group (str): what several axes are of, in words
-    axis: with the coverage where it is another than that of the budget
+    axis = named: with the coverage where it is another than that of the budget
     is_timed: whether it is of a mission
     unit = output.unit
     value / unit: of the calibration
@@ -178,7 +169,7 @@ class Outlook:
     length: its place among lengths; null of what is none
     factor [1]: k, of a length on the radius of the circle of its coverage
     shift [1]: d
-    limit / unit: null where there is none
+    limit / unit or null: null where there is none
     lower_bound = lacks (bool): whether a line that is not given would widen it
     resolution = output.resolution / unit: a spread at or below this is rounding
     added / unit / unit: V and, of lengths, D/2 and W of missing lines at their ceilings
@@ -188,18 +179,15 @@ class Outlook:
     is_timed=lambda one: one.output.name.time is not None,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WhatIfOutput:
+class WhatIfOutput(LimitedOutput):
     """One output, as a page computes it."""
 
-    output: Output
-    axis: str
+    named: str  # its axis, with a coverage of its own
     value: float  # [SI]
     coverage: float  # [1]
     length: int | None
     factor: float  # [1]
     shift: float  # [1]
-    limit: float | None  # [SI]
-    lacks: tuple[Name, ...]
     added: Array  # shape (3,) [SI squared]
 
 
@@ -328,13 +316,13 @@ class WhatIf(Documented):
         return tuple(
             WhatIfOutput(
                 output=output,
-                axis=self._axis(k),
+                named=self._axis(k),
                 value=self.law.value[k],
                 coverage=self.coverages[k],
                 length=self.lengths.index(k) if k in self.lengths else None,
                 factor=self.coverage_factor[k] / along[k],
                 shift=self.shift[k],
-                limit=self.limit[k],
+                limit=inf if (limit := self.limit[k]) is None else limit,
                 lacks=self.lacks[k],
                 added=self.added[:, k],
             )
@@ -378,7 +366,7 @@ class WhatIf(Documented):
         at_top: Sequence[float | None],
         *,
         changed: bool,
-    ) -> tuple[SensorOutlook, ...]:
+    ) -> tuple[Verdict, ...]:
         """Return the verdicts, by the rules of budget.studies.verdicts.
 
         Those of the unchanged device are its own.
@@ -398,12 +386,12 @@ class WhatIf(Documented):
             used, _, worst = own[first_largest([row[0] for row in own])]
             is_own = sensor.verdict == PREDICTED or not changed
             outlooks.append(
-                SensorOutlook(
+                Verdict(
                     sensor=sensor.name,
                     verdict=(is_own and sensor.verdict)
                     or _verdict(sensor, used, max(top for _, top, _ in own)),
-                    utilisation=used,
-                    worst_output=worst,
+                    utilisation=Known(used),
+                    worst_outputs=(worst,),
                 )
             )
         return tuple(outlooks)
@@ -715,7 +703,7 @@ class Step:
     meets_at_any=lambda row: row.most == inf,
 )
 @dataclass(frozen=True, kw_only=True)
-class SourceSteps(Documented):
+class SourceSteps(LimitedOutput):
     """One source in several sizes, seen at the output where its share is largest.
 
     The verdict, and the part of the limit, are of all that is judged by the source:
@@ -723,9 +711,7 @@ class SourceSteps(Documented):
     """
 
     source: WhatIfSource
-    output: Output
     share: float  # of the variance of that output as it is [1]
-    lacks: tuple[Name, ...]  # lines that are not given and would widen that output
     used_lacks: tuple[Name, ...]  # or an output that has such a limit
     steps: tuple[Step, ...]
     # Largest factor at which all these limits are kept, the others as they are [1];

@@ -209,7 +209,7 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
 
     (ours,), (theirs,) = outlook.sensors, assessed.sensors
     assert (ours.sensor, ours.verdict) == (theirs.sensor, theirs.verdict)
-    assert ours.worst_output == theirs.worst_output
+    assert ours.worst_outputs[0] == theirs.worst_output
     assert_allclose(ours.utilisation, theirs.utilisation, rtol=RTOL)
     assert ours.verdict == (
         "fails" if factor > 1.0 else "undecidable" if missing else "meets"
@@ -419,7 +419,7 @@ def test_limits_on_a_mission_follow_the_sources(changes, verdict):
     for one in truth.sensors:
         assert ours[one.sensor].verdict == one.verdict
     assert ours[MISSION].verdict == verdict
-    assert ours[MISSION].worst_output == truth.sensors[1].worst_output
+    assert ours[MISSION].worst_outputs[0] == truth.sensors[1].worst_output
     judged = {row.output.name: row for row in truth.outputs}
     own = [k for k, one in enumerate(model.outputs) if one.name.owner == MISSION]
     assert {model.outputs[k].name for k in own} == {

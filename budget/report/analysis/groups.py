@@ -44,7 +44,7 @@ if TYPE_CHECKING:
         Assessment,
         Budget,
         Compensation,
-        LimitedOutput,
+        JudgedOutput,
         OutputBudget,
     )
 
@@ -113,7 +113,7 @@ class WorstOutput:
 
     output: OutputBudget
     number: OutputRow
-    limited: LimitedOutput | None
+    limited: JudgedOutput | None
 
 
 def _worst(assessment: Assessment | None, group: GroupTable) -> WorstOutput:

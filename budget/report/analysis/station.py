@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Section
     from budget.report.tables import GroupTable
-    from budget.results import Assessment, Budget, LimitedOutput, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
     from budget.studies.cautions import Unfelt
 
 LEAST_SAID = 0.001  # share of a variance that is printed as a number [1]
@@ -151,7 +151,7 @@ class Judged:
     """A required output, and what it is made of."""
 
     row: OutputBudget
-    limit: LimitedOutput
+    limit: JudgedOutput
 
     def used_by(self, owners: Sequence[str]) -> Number:
         """Return U by the sources of those owners alone, over the limit."""

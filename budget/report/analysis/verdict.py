@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Card, Section, Words
     from budget.report.tables import GroupTable
-    from budget.results import Assessment, Budget, LimitedOutput, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
     from budget.studies.what_if import SourceSteps, WhatIf
 
 LACKS = 2  # names of what a row lacks
@@ -110,13 +110,13 @@ def limits_section(
 
 def _differing(
     assessment: Assessment,
-) -> list[tuple[str, list[LimitedOutput]]]:
+) -> list[tuple[str, list[JudgedOutput]]]:
     """Return by sensor the groups of limits whose axes differ in print."""
-    groups: dict[Name, list[LimitedOutput]] = {}
+    groups: dict[Name, list[JudgedOutput]] = {}
     for row in assessment.outputs:
         if row.output.name.owner != MISSION:
             groups.setdefault(row.output.name.group, []).append(row)
-    found: dict[str, list[LimitedOutput]] = {}
+    found: dict[str, list[JudgedOutput]] = {}
     for group, rows in groups.items():
         if len({largest_error(row).text for row in rows}) > 1:
             found.setdefault(group.owner, []).extend(rows)
@@ -164,7 +164,7 @@ def _limited(
     budget: Budget, assessment: Assessment, carried: Budget | None
 ) -> Iterator[AnswerRow]:
     """Yield what is held against limits."""
-    groups: dict[object, list[LimitedOutput]] = {}
+    groups: dict[object, list[JudgedOutput]] = {}
     for row in assessment.judged:
         name = row.output.name
         groups.setdefault(name if name.owner == MISSION else name.group, []).append(row)

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
-    from budget.results import LimitedOutput
+    from budget.results import JudgedOutput
 
 SHOWN = 30  # devices of a map, the best ones that can be judged; all are in the tables
 DOTS = "..."
@@ -193,7 +193,7 @@ def _opacity(part: float) -> float:
     return BEYOND + (DARKEST - BEYOND) * share
 
 
-def _cell(output: LimitedOutput) -> str:
+def _cell(output: JudgedOutput) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
     if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"

@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.tables import Unit
-    from budget.results import LimitedOutput
+    from budget.results import JudgedOutput
     from budget.studies.mission import Curve
 
 # Heights of the errors, of the strip of shares, and what is around them [pt].
@@ -141,7 +141,7 @@ class ErrorGrowth:
 
 
 def growth_pictures(
-    curve: Curve, limits: Sequence[LimitedOutput] = ()
+    curve: Curve, limits: Sequence[JudgedOutput] = ()
 ) -> tuple[Picture, ...]:
     """Return a figure of the horizontal position and of each other limited error.
 
@@ -153,9 +153,7 @@ def growth_pictures(
     return tuple(growth_picture(one, limits) for one in every if one is not None)
 
 
-def growth_picture(
-    growth: ErrorGrowth, limits: Sequence[LimitedOutput] = ()
-) -> Picture:
+def growth_picture(growth: ErrorGrowth, limits: Sequence[JudgedOutput] = ()) -> Picture:
     """Show an error over time against its limits, and below it who makes it when.
 
     Shares are of the variance: they alone add up.
@@ -259,8 +257,8 @@ def _around(time: float, digits: int) -> str:
 
 
 def _limits_on(
-    growth: ErrorGrowth, limits: Sequence[LimitedOutput]
-) -> list[LimitedOutput]:
+    growth: ErrorGrowth, limits: Sequence[JudgedOutput]
+) -> list[JudgedOutput]:
     """Return the limits on this error."""
     return [
         row
@@ -271,7 +269,7 @@ def _limits_on(
 
 
 @house_style()
-def draw_growth(growth: ErrorGrowth, limits: Sequence[LimitedOutput] = ()) -> Figure:
+def draw_growth(growth: ErrorGrowth, limits: Sequence[JudgedOutput] = ()) -> Figure:
     """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
     figure = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
     figure.set_label(growth_title(growth))
@@ -300,7 +298,7 @@ def draw_growth(growth: ErrorGrowth, limits: Sequence[LimitedOutput] = ()) -> Fi
 
 
 def _draw_errors(
-    axes: Axes, growth: ErrorGrowth, *, limits: Sequence[LimitedOutput]
+    axes: Axes, growth: ErrorGrowth, *, limits: Sequence[JudgedOutput]
 ) -> None:
     """Draw how large the error is, and what it may be when."""
     x = np.array(growth.curve.times)

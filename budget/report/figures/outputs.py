@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from budget.results import (
         Assessment,
         Budget,
-        LimitedOutput,
+        JudgedOutput,
         OutputBudget,
         Validation,
     )
@@ -155,7 +155,7 @@ def utilisation_title(assessment: Assessment) -> str:
     )
 
 
-def _ranked(assessment: Assessment, sensor: str) -> list[list[LimitedOutput]]:
+def _ranked(assessment: Assessment, sensor: str) -> list[list[JudgedOutput]]:
     """Return the outputs of a sensor by parameter, the worst group first.
 
     Axes keep their order, which noise would change otherwise.
@@ -189,7 +189,7 @@ def _limit_groups(
     )
 
 
-def _limit_row(output: LimitedOutput, start: float) -> Row:
+def _limit_row(output: JudgedOutput, start: float) -> Row:
     """Return a thin line to a dot, filled where it is beyond the limit."""
     x = max(100.0 * output.utilisation, start)
     used, axis = used_part(output).text, axis_title(output.output.name)

@@ -64,7 +64,7 @@ def limited_outputs(case: SensorCase) -> tuple[SharedLimit, ...]:
             floor=float(used[1][k]),
             allowed=None if s is None else float(used[2][k]),
             is_binding=bool(bound[k]),
-            lower_bound=bool(case.lacks[name]),
+            lacks=case.lacks[name],
             parts=tuple(
                 LimitPart(
                     source=source,

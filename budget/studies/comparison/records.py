@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget import views
 from budget.documents import Documented, written
-from budget.results import VERDICTS, Tabled, Verdict
+from budget.results import VERDICTS, Study, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from budget.missing import Filling
     from budget.names import Name
-    from budget.results import InputFile
     from budget.settings import Settings
     from budget.studies.judgement import Judged
 
@@ -274,13 +273,12 @@ class Pair(Verdict):
     commands="compare",
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Comparison(Tabled):
+class Comparison(Study):
     """All devices, best first within each sensor and procedure."""
 
     requirement: str
     mission: str = ""  # on which devices with both sensors are judged; '' without one
     procedures: tuple[str, ...]
-    inputs: tuple[InputFile, ...]
     settings: Settings
     caps: tuple[tuple[str, str], ...]  # of the requirement: ('mass', '2 kg')
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
@@ -291,8 +289,6 @@ class Comparison(Tabled):
     # Devices of both sensors as one, best first under each procedure.
     imus: tuple[Pair, ...] = ()
     pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     def output_frame(self) -> pd.DataFrame:
         """Return its CSV document as a pandas frame: each device, required output."""
