@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import CallError
 from budget.methods.execution import in_order
-from budget.methods.gum import propagate
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
 from budget.sentences import sentence
@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
+    from budget.question import Limited, Question
     from budget.results import Verdict
-    from budget.studies.comparison.candidates import Candidate
 
 
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
@@ -54,7 +54,7 @@ class Judging:
 
 
 def judge_all(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Question],
     judging: Judging,
     *,
     executor: Executor | None,
@@ -92,12 +92,11 @@ def judge_all(
     return [findings[place] for place in range(len(candidates))]
 
 
-def _judge(task: tuple[Candidate, None], *, judging: Judging) -> Entrant:
+def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
-    one, _ = task
-    held = one.limited()
-    law = propagate(held.problem)
-    prediction = one.filling.prediction
+    one = replace(task[0])  # of thousands no Problem is kept
+    held, law = held_of(one), one.law
+    prediction = one.filled.prediction
     doubtful: tuple[str, ...] = ()
     if judging.method == "gum" and not judging.validate:
         judged = screen(held, law, seed=judging.seed)
@@ -126,20 +125,17 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> Entrant:
         by_law = judging.method == "gum" and not judging.validate
         is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
-            one.sensors[0],
-            one.procedure,
-            one.requirement,
+            one,
             seed=judging.seed,
             by_law=by_law,
             taken=judged if by_law or is_usual else None,
         )
     verdict = verdict_on(
-        one.case,
+        one,
         held,
         law,
         judged,
         seed=judging.seed,
-        lacks=one.lacks(held),
         readings=readings,
     )
     used = judged.utilisation
@@ -159,13 +155,13 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> Entrant:
     )
 
 
-def entrant_of(one: Candidate, verdict: Verdict) -> Entrant:
+def entrant_of(one: Question, verdict: Verdict) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not."""
-    device, caps = one.device, one.requirement.caps
+    device, caps = one.devices[0], one.wanted.caps
     return Entrant(
-        **vars(verdict) | {"sensor": one.owner},
+        **vars(verdict),
         name=device.name,
-        place=one.place,
+        place=0,
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
@@ -190,17 +186,33 @@ def entrant_of(one: Candidate, verdict: Verdict) -> Entrant:
     )
 
 
+def held_of(one: Question) -> Limited:
+    """Return its Problem with the limits on it.
+
+    Raises
+    ------
+    CallError
+        Nothing is required of it.
+    """
+    if one.held is None:
+        raise CallError(
+            f"{one.wanted.name} limits nothing of the {one.owner}; "
+            "add limits for it, or leave it out"
+        )
+    return one.held
+
+
 def _look_closer(
-    task: tuple[Candidate, Entrant], *, judging: Judging, trials: int
+    task: tuple[Question, Entrant], *, judging: Judging, trials: int
 ) -> Entrant:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
     if (finding.looked_at.trials or 0) >= trials:
         return finding
-    held = one.limited()
+    one = replace(one)
     closer = judge_with(
-        held,
-        propagate(held.problem),
+        held_of(one),
+        one.law,
         seed=judging.seed,
         trials=trials,
     )
@@ -208,7 +220,7 @@ def _look_closer(
 
 
 def _tied(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Question],
     findings: dict[int, Entrant],
     max_trials: int,
 ) -> list[int]:
@@ -220,7 +232,7 @@ def _tied(
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
-        if one.missing or one.filling.lines:
+        if one.missing or one.filled.lines:
             continue  # no trial says how a line that is not given would rank it
         if findings[place].verdict == FAILS:
             continue
