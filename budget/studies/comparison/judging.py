@@ -149,6 +149,7 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
         advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
         at_medians=found.missing is not None and prediction is not None,
         judged=judged,
+        closer=judged,
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,

@@ -161,7 +161,7 @@ class Entrant(Verdict):
     ahead: Lead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
     rank: int | None = None  # filled in by its list
-    # As the verdict took it, and with as many trials as its rank took, if more.
+    # With as many trials as the verdict took, and as its rank took.
     judged: Judged | None = field(default=None, repr=False, compare=False)
     closer: Judged | None = field(default=None, repr=False, compare=False)
     normals: int = 0  # that a trial of its Problem draws
@@ -182,10 +182,9 @@ class Entrant(Verdict):
         ValueError
             It was not judged.
         """
-        found = self.closer or self.judged
-        if found is None:
+        if self.closer is None:
             raise ValueError(f"{self.name} was not judged")
-        return found
+        return self.closer
 
     @property
     def rests_on_others(self) -> bool:
