@@ -13,6 +13,8 @@ from budget.errors import CallError
 from budget.methods.execution import in_order
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
+from budget.missing import shipped_devices
+from budget.missing.prediction import prepare
 from budget.sentences import sentence
 from budget.studies.comparison.candidates import missing_lines
 from budget.studies.comparison.records import Entrant, Lead, UnknownCap
@@ -28,6 +30,8 @@ from budget.studies.judgement import (
 )
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.verdicts import FAILS, verdict_on
+
+CHUNK = 64  # candidates that are judged by the law at once
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -52,6 +56,11 @@ class Judging:
     max_trials: int
     validate: bool  # whether Monte Carlo checks the law, by gum
 
+    @property
+    def by_law(self) -> bool:
+        """Whether no trial is made."""
+        return self.method == "gum" and not self.validate
+
 
 def judge_all(
     candidates: Sequence[Question],
@@ -72,10 +81,15 @@ def judge_all(
     def take(places: Sequence[int], work: Callable[..., Entrant]) -> None:
         nonlocal done
         total = done + len(places)
-        tasks = [(candidates[place], findings.get(place)) for place in places]
-        for place, finding in zip(
-            places, in_order(work, tasks, executor, ahead=ahead), strict=True
-        ):
+        # By the law a chunk is sooner judged than sent; trials are shared out singly.
+        size = CHUNK if judging.by_law else 1
+        tasks = (
+            [(candidates[place], findings.get(place)) for place in places[k : k + size]]
+            for k in range(0, len(places), size)
+        )
+        results = in_order(partial(_each, work=work), tasks, executor, ahead=ahead)
+        each = (finding for some in results for finding in some)
+        for place, finding in zip(places, each, strict=True):
             findings[place] = finding
             done += 1
             if progress is not None:
@@ -92,13 +106,24 @@ def judge_all(
     return [findings[place] for place in range(len(candidates))]
 
 
+def _each(
+    tasks: Sequence[tuple[Question, Entrant | None]],
+    *,
+    work: Callable[..., Entrant],
+) -> list[Entrant]:
+    """Judge some candidates, one after the other; what they share is made at once."""
+    devices = dict.fromkeys(device for one, _ in tasks for device in one.devices)
+    prepare(devices, tasks[0][0].catalogue or shipped_devices())
+    return [work(task) for task in tasks]
+
+
 def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
     one = replace(task[0])  # of thousands no Problem is kept
     held, law = held_of(one), one.law
     prediction = one.filled.prediction
     doubtful: tuple[str, ...] = ()
-    if judging.method == "gum" and not judging.validate:
+    if judging.by_law:
         judged = screen(held, law, seed=judging.seed)
     else:
         judged = judge(
@@ -122,7 +147,7 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     names = [output.name for output in held.outputs]
     readings = None
     if prediction is None and len(one.sensors) == 1:
-        by_law = judging.method == "gum" and not judging.validate
+        by_law = judging.by_law
         is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
             one,
