@@ -8,7 +8,7 @@ source that both triads share is drawn once and felt by both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -105,23 +105,7 @@ def calibration_problem(
     CallError
         A line is no error source that the program knows.
     """
-    shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
-    there = with_accelerometers(sensors, procedure)
-    rows = [
-        *(
-            _Row.of(sensor.kind, line)
-            for sensor in there
-            for line in (
-                *sensor.lines,
-                *(initial_lines(sensor, procedure) if every else ()),
-            )
-        ),
-        *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
-    ]
-    schemes = schemes_of(there, procedure, every=every)
-    triads = {
-        one.kind: _triad(one, schemes[one.kind], procedure, rows) for one in there
-    }
+    there, rows, triads = _laid_out(sensors, procedure, every=every)
     members = [
         (row, row.group(triads, procedure, reference, only=only))
         for row in rows
@@ -155,6 +139,66 @@ def calibration_problem(
     if outputs is None:
         return problem
     return problem.then(combination(names, outputs), (made[name] for name in outputs))
+
+
+def retimed(
+    problem: Problem,
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    every: bool = False,
+) -> Problem:
+    """Return a Problem with the noise of windows of other lengths, all else as it is.
+
+    `problem` is of a calibration of these triads, or of what follows from it; see
+    `calibration_problem`.
+    """
+    _, rows, triads = _laid_out(sensors, procedure, every=every)
+    found = {
+        Name(row.given.name, owner=row.owner): _noise_covariance(
+            row.source.effect,
+            row.given,
+            triads[row.owner],
+            procedure.sample_rate,
+            included=True,
+        )
+        for row in rows
+        if isinstance(row.source.effect, Noise)
+    }
+
+    def changed(group: Group) -> Group:
+        own = found.get(group.name)
+        if own is None:
+            return group
+        covariance = group.covariance.copy()
+        covariance[: len(own), : len(own)] = own
+        return replace(group, covariance=covariance)
+
+    return replace(problem, groups=tuple(map(changed, problem.groups)))
+
+
+def _laid_out(
+    sensors: tuple[Sensor, ...], procedure: Procedure, *, every: bool
+) -> tuple[tuple[Sensor, ...], list[_Row], dict[str, Triad]]:
+    """Return the triads that take part, all lines, and the triads in their test."""
+    shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
+    there = with_accelerometers(sensors, procedure)
+    rows = [
+        *(
+            _Row.of(sensor.kind, line)
+            for sensor in there
+            for line in (
+                *sensor.lines,
+                *(initial_lines(sensor, procedure) if every else ()),
+            )
+        ),
+        *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
+    ]
+    schemes = schemes_of(there, procedure, every=every)
+    triads = {
+        one.kind: _triad(one, schemes[one.kind], procedure, rows) for one in there
+    }
+    return there, rows, triads
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.derived import known_outputs
-from budget.calibration.schemes import with_accelerometers
+from budget.calibration.mission import on_the_way
+from budget.calibration.problem import retimed
+from budget.calibration.schemes import WEIGHTED, with_accelerometers
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, sparing
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
         Requirement,
         Sensor,
     )
+    from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
     from budget.problem import Output, Problem
     from budget.studies.judgement import Judged
@@ -77,6 +80,9 @@ class SensorCase:
     mission: Mission | None
     procedure: Procedure
     requirement: Requirement
+    # The calibration or the mission as it is, and its law.
+    problem: Problem
+    taken: Propagation
     # The lines of the sensors, then those that all triads share.
     given: Mapping[Name, ErrorLine]
     # Expected lines that are not given and would widen an output.
@@ -174,8 +180,19 @@ class SensorCase:
         )
         return scaled_law(problem).select(self.task.law.outputs)
 
+    def retimed(self, procedure: Procedure) -> ScaledLaw:
+        """Return the law by windows of other lengths, that change but the noise."""
+        is_led = self.mission is not None
+        sensors, how = (
+            on_the_way(self.sensors, procedure) if is_led else (self.sensors, procedure)
+        )
+        problem = retimed(self.problem, sensors, how, every=is_led)
+        return scaled_law(problem, self.taken).select(self.task.law.outputs)
+
     def allocated_problem(self) -> Problem:
         """Return the calibration, or the mission, with the lines as allocated."""
+        if not self.is_tuned and self.procedure.formulas != WEIGHTED:
+            return self.problem.resized(self.factors)
         return required_problem(
             self.allocated, self.procedure, self.requirement, self.mission
         )
@@ -218,7 +235,8 @@ def set_up(
     problem = required_problem(sensors, procedure, requirement, mission)
     there = with_accelerometers(sensors, procedure)
     given = given_lines(there, procedure, mission=mission)
-    law = scaled_law(problem)
+    taken = propagate(problem)
+    law = scaled_law(problem, taken)
     statuses, low, high = [], [], []
     for name in law.sources:
         now = given[name].largest
@@ -231,7 +249,7 @@ def set_up(
     held = limit_problem(problem, requirement)
     if held is None:
         raise ValueError(f"none of {', '.join(required)} is an output of the problem")
-    judged = judge(held, propagate(problem), seed=seed)
+    judged = judge(held, taken, seed=seed)
     task = Task(
         law=law.select(required),
         limit=np.array([limit.limit for limit in limits]),
@@ -250,6 +268,8 @@ def set_up(
         mission=mission,
         procedure=procedure,
         requirement=requirement,
+        problem=problem,
+        taken=taken,
         given=given,
         lacks=lacking(sensors, procedure, reference=requirement.reference)
         if mission is None

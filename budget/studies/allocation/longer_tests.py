@@ -40,6 +40,11 @@ class _Setting:
     change: Callable[[float], Procedure]
     whole: bool
 
+    def after(self, value: float) -> float:
+        """Return the next value to try."""
+        more = min(value * STEP, self.most)
+        return max(float(int(more)), value + 1.0) if self.whole else more
+
 
 def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     """Find the least number of turns and the shortest dwell that meet the limits.
@@ -85,13 +90,28 @@ def largest_utilisation(task: Task, law: ScaledLaw, s: Array) -> float:
 def _changed_laws(
     case: SensorCase, setting: _Setting
 ) -> Callable[[float, tuple[float, ...]], ScaledLaw]:
-    """Return the law by a setting and what a filter knows; goals may ask for one."""
+    """Return the law by a setting and what a filter knows; goals may ask for one.
+
+    Where the first step moves nothing but the noise of the windows, none does.
+    """
+    first = setting.after(setting.now)
 
     @cache
+    def built(value: float, known: tuple[float, ...]) -> ScaledLaw:
+        return case.law_of(known, setting.change(value))
+
+    @cache
+    def retimed(value: float) -> ScaledLaw:
+        return case.retimed(setting.change(value))
+
+    @cache
+    def is_of_noise(known: tuple[float, ...]) -> bool:
+        return not case.is_tuned and built(first, known).is_like(retimed(first))
+
     def law_at(value: float, known: tuple[float, ...]) -> ScaledLaw:
-        if value != setting.now:
-            return case.law_of(known, setting.change(value))
-        return case.law if known == case.known(case.task.now) else case.least_law
+        if value == setting.now:
+            return case.law if known == case.known(case.task.now) else case.least_law
+        return retimed(value) if is_of_noise(known) else built(value, known)
 
     return law_at
 
@@ -207,9 +227,7 @@ def _grow(
     best, least = value, utilisation(value)
     needed = None
     while value < setting.most:
-        below, value = value, min(value * STEP, setting.most)
-        if setting.whole:
-            value = max(float(int(value)), below + 1.0)
+        below, value = value, setting.after(value)
         used = utilisation(value)
         if used < least:
             best, least = value, used
