@@ -129,7 +129,7 @@ class NormScheme(Scheme):
         noise = own.reshape(3, len(places), STATISTICS, -1)
         M = np.eye(3)[..., None] + tilt_matrix(truth.angle)
         shown, from_held = self.first_order
-        found[places] = -2.0 * _seen(shown, noise) - _times(from_held, found)
+        found[places] = -2.0 * _seen(shown, noise) - from_held @ found
         if found.dtype != float:  # one step is their second order
             found[places] = found[places] - self._misfit(found, M, truth.bias, noise)
         else:
@@ -259,7 +259,12 @@ def shown_of_errors(inputs: Array, value: Array) -> Array:
 def _seen(matrix: Array, noise: Array) -> Array:
     """Return sums of noise, (3, m, 4, trials), that each axis shows, (m, trials)."""
     return np.asarray(
-        sum(matrix[a, i] * noise[i, :, a] for a in range(BIAS) for i in range(BIAS))
+        sum(
+            matrix[a, i] * noise[i, :, a]
+            for a in range(BIAS)
+            for i in range(BIAS)
+            if matrix.ndim > 2 or matrix[a, i]  # noqa: PLR2004 - of each trial
+        )
     )
 
 
