@@ -5,18 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from importlib import import_module
 from math import inf, prod
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from budget.documents import SHOWN_BY, Documented, Shown, document, written
+from budget import views
+from budget.documents import Documented, Shown, document, written
 from budget.errors import NotThereError
 from budget.language import note
 from budget.names import Name, braced, spellings, with_parts
 from budget.problem import Output
 from budget.sentences import sentence
+from budget.settings import Settings, fills
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
 
@@ -82,7 +83,7 @@ class Tabled(Shown, Documented):
 
     def to_frame(self) -> pd.DataFrame:
         """Return its rows as a pandas frame, in printed units."""
-        table: pd.DataFrame = import_module(SHOWN_BY).study_frame(self)
+        table: pd.DataFrame = views.view().study_frame(self)
         return table
 
 
@@ -379,93 +380,6 @@ def widest_of_each(rows: Sequence[OutputBudget]) -> tuple[OutputBudget, ...]:
         own[first_largest([row.standard_uncertainty for row in own])]
         for own in groups.values()
     )
-
-
-def fills(settings: Settings) -> bool:
-    """Whether anything stands for expected lines that are not given."""
-    return settings.missing != "refuse"
-
-
-@written(
-    "settings",
-    """
-    method: 'gum', 'monte-carlo' or 'simulation'
-    trials: of Monte Carlo, or simulated runs
-    seed: same seed, same numbers
-    coverage [1]: probability of the intervals
-    interval: 'symmetric' or 'shortest'
-    reference: what an error is one against, 'nominal', 'as_tested', 'next_turn_on'
-    formulas: of the calibration
-    normals_per_trial: normal random numbers that a trial takes
-    only: sources that count, all others being 0
-    outputs?: what is asked for, where that is not all that is estimated
-    digits: of uncertainties that trials make sure
-    sobol_samples: points in one scramble for Sobol' indices
-    sobol_scrambles: how many there are
-    missing if fills: what stands for expected lines that are not given; left out where
-      nothing does
-    """,
-    fills=fills,
-)
-@dataclass(frozen=True, kw_only=True)
-class Settings(Documented):
-    """Everything besides the input files that a result depends on.
-
-    As asked for, and then, with what was made of it, as part of the result.
-
-    Attributes
-    ----------
-    method : str
-        'gum' (law of propagation), 'monte-carlo' or 'simulation'.
-    trials : int or None
-        Monte Carlo trials (None asks for adaptive ones) or simulated runs.
-    seed : int
-        Same seed, same numbers.
-    coverage : float
-        Probability of the intervals [1].
-    interval : str
-        'symmetric' or 'shortest'; by the law both are mean +- k u.
-    reference : str
-        Error reference: 'nominal', 'as_tested', 'next_turn_on'.
-    formulas : str
-        Of the calibration: those of the procedure.
-    only : tuple of Name
-        Sources that count, all others 0; a bare name asks for both sensors.
-    outputs : tuple of Name
-        What is asked for; without any the parameters that are estimated.
-    digits : int
-        Significant digits of the uncertainties that adaptive trials make sure, and
-        that the law is validated to; 1 or 2.
-    sobol_samples : int or None
-        Points in one scramble for Sobol' indices; None: there are none.
-    max_trials : int or None
-        Where adaptive trials stop at the latest; None: where they usually do.
-    validate : bool
-        Whether Monte Carlo checks the law.
-    matrices : bool
-        Whether the compensation matrices are asked for.
-    missing : str
-        What stands for expected lines that a device does not give: 'refuse' (nothing),
-        'worst', 'typical' or 'predict'.
-    """
-
-    method: str = "gum"
-    trials: int | None = None
-    seed: int = 0
-    coverage: float = 0.95
-    interval: str = "symmetric"
-    reference: str = "nominal"
-    formulas: str = ""
-    normals_per_trial: int | None = None
-    only: tuple[Name, ...] = ()
-    outputs: tuple[Name, ...] = ()
-    digits: int = 1
-    sobol_samples: int | None = None
-    sobol_scrambles: int | None = None
-    max_trials: int | None = None
-    validate: bool = True
-    matrices: bool = False
-    missing: str = "refuse"
 
 
 @written(
@@ -874,8 +788,8 @@ class Budget(Shown, Documented):
     # The same mission after no calibration, the maker's, and the one it is of.
     bought: tuple[Calibrated, ...] = ()
     filter: Filtered | None = None  # of that mission, where it has one
-    # What it is of (budget.studies.request.Analysis): results know nothing of files.
-    analysis: object = field(default=None, repr=False)
+    # What it is of (budget.question.Question): results know nothing of files.
+    question: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:
@@ -994,16 +908,16 @@ class Budget(Shown, Documented):
     @cached_property  # which a notebook completes, unlike a property
     def plot(self) -> Any:  # noqa: ANN401 - Plots, of a floor above this one
         """The figures of the report, `plot.contributions()`: matplotlib Figures."""
-        return import_module(SHOWN_BY).Plots(self)
+        return views.view().Plots(self)
 
     def to_markdown(self) -> str:
         """Return a table with a row for each output, rounded as in a report."""
-        table: str = import_module(SHOWN_BY).budget_markdown(self)
+        table: str = views.view().budget_markdown(self)
         return table
 
     def to_latex(self) -> str:
         """Return the same as a LaTeX tabular."""
-        table: str = import_module(SHOWN_BY).budget_latex(self)
+        table: str = views.view().budget_latex(self)
         return table
 
     def to_xlsx(self, file: str | Path) -> Path:
@@ -1016,7 +930,7 @@ class Budget(Shown, Documented):
         OutputError
             It cannot be written.
         """
-        path: Path = import_module(SHOWN_BY).write_xlsx(self, file)
+        path: Path = views.view().write_xlsx(self, file)
         return path
 
 
@@ -1234,7 +1148,7 @@ class ReadingEffect(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class ReadingVerdict:
     """The verdict under one combination of readings."""
 
     words: tuple[tuple[Name, str], ...]  # by line
@@ -1256,10 +1170,10 @@ class ReadingVerdicts(Documented):
 
     sensor: str
     total: int  # combinations that there are
-    found: tuple[Reading, ...]  # those computed, the one that is taken first
+    found: tuple[ReadingVerdict, ...]  # those computed, the one that is taken first
 
     @property
-    def passing(self) -> tuple[Reading, ...]:
+    def passing(self) -> tuple[ReadingVerdict, ...]:
         """Those under which it meets."""
         return tuple(one for one in self.found if one.verdict == "meets")
 

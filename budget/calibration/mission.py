@@ -1,4 +1,4 @@
-"""A mission as one Problem: what a calibration leaves, carried along a route.
+"""A mission as one Problem: errors after calibration, carried along a route.
 
 The errors of the parameters at a later turn-on are constants of the mission, and so is
 what a unit adds to its readings by itself: g-sensitivity, the shape of its scale
@@ -664,7 +664,7 @@ def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, 
 
 def in_run(
     process: processes.Process, sample_rate: float
-) -> tuple[growth.Noise, float]:
+) -> tuple[growth.UnitNoise, float]:
     """Return a process as navigation meets it: of unit size, and its size [SI].
 
     Flicker is a sum of Gauss-Markov processes. A ratio r apart in correlation time,
@@ -673,9 +673,9 @@ def in_run(
     """
     match process:
         case processes.White(density=N):
-            return growth.White(), N
+            return growth.UnitWhiteNoise(), N
         case processes.RandomWalk(density=K):
-            return growth.Walk(), K
+            return growth.UnitRandomWalk(), K
         case processes.GaussMarkov(sigma=sigma, correlation_time=tau):
             return Markov(times=(tau,)), sigma
         case processes.Quantized(step=q):

@@ -35,8 +35,7 @@ from budget.inputs.records import (
 from budget.inputs.requirement import read_requirement
 from budget.inputs.station import aged, done_at, read_station, used
 from budget.inputs.tree import MOST_ISSUES, all_of
-from budget.model.source import Change as Changing
-from budget.model.source import Coefficient
+from budget.model.source import Coefficient, TurnOnChange
 from budget.model.sources import ENVIRONMENT, SENSORS, source_of
 from budget.model.sources.later import TEST_VIBRATION
 from budget.names import MISSION, Name, parameters_of
@@ -47,9 +46,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.errors import Issue
-    from budget.inputs.changes import Change, Changes
+    from budget.inputs.changes import Changes, Override
     from budget.inputs.files import File, NamedFile
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
 
 
 P = TypeVar("P")
@@ -152,7 +151,7 @@ def try_changed(
 
 
 def _load(
-    path: File, changes: Sequence[Change], *, variants: bool
+    path: File, changes: Sequence[Override], *, variants: bool
 ) -> tuple[Device, ...]:
     """Load the devices of one file, or the one that is named."""
     file = find(path, "device")
@@ -173,10 +172,10 @@ def _load(
 
 
 def _read(
-    document: Document, file: NamedFile, variant: str, changes: Sequence[Change]
+    document: YamlFile, file: NamedFile, variant: str, changes: Sequence[Override]
 ) -> Device:
     """Read one device with those of the changes that are its own."""
-    own: Sequence[Change] = ()
+    own: Sequence[Override] = ()
     if changes:
         root = root_of(document, variant)
         own = [change for change in changes if change.is_of(file, variant, root)]
@@ -362,7 +361,9 @@ def without_test(procedure: Procedure, word: str) -> Procedure:
     later = tuple(
         line
         for line in procedure.environment
-        if isinstance(source_of(ENVIRONMENT, line.name).effect, Changing | Coefficient)
+        if isinstance(
+            source_of(ENVIRONMENT, line.name).effect, TurnOnChange | Coefficient
+        )
         and line.name != TEST_VIBRATION
     )
     at_all = tuple(f"{Name(line.name, owner=ENVIRONMENT)}:" for line in later)
@@ -477,7 +478,7 @@ def try_valid(
     return found, issues
 
 
-def _validate(path: File, changes: Sequence[Change]) -> Checked:
+def _validate(path: File, changes: Sequence[Override]) -> Checked:
     """Check one file with those of the changes that are its own."""
     file = find(path)
     document = open_file(file)
@@ -525,7 +526,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
 
 
 _READERS: dict[
-    str, Callable[[Document], Procedure | Station | Mission | Requirement | Costs]
+    str, Callable[[YamlFile], Procedure | Station | Mission | Requirement | Costs]
 ] = {
     "procedure": read_procedure,
     "station": read_station,
@@ -535,7 +536,7 @@ _READERS: dict[
 }
 
 
-def _open(path: File, kind: str) -> Document:
+def _open(path: File, kind: str) -> YamlFile:
     """Open a file that can have no variants."""
     file = find(path, kind)
     _refuse_variant(file)

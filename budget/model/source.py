@@ -275,7 +275,7 @@ class Disturbance(Effect):
         It is sent to other processes: a partial of a function of its module.
         """
 
-    def reading(self, value: Array, moment: Moment) -> Array:  # noqa: ARG002
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:  # noqa: ARG002
         """Return what is added to the readings of a window's samples, (3, n)."""
         return np.zeros((3, 1))
 
@@ -296,7 +296,7 @@ class Disturbance(Effect):
         """
         return None
 
-    def table(self, value: Array, table: Table) -> Table:  # noqa: ARG002
+    def table(self, value: Array, table: TableState) -> TableState:  # noqa: ARG002
         """Return the table as it really stands during a window."""
         return table
 
@@ -304,7 +304,7 @@ class Disturbance(Effect):
 Gains = tuple[Array, Array]  # of a source's inputs in a parameter: in the test, later
 
 
-class Change(Effect):
+class TurnOnChange(Effect):
     """A constant part of the truth that is another one at a later turn-on."""
 
     @abstractmethod
@@ -348,7 +348,7 @@ class Samples:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class TableState:
     """The table and the place during one simulated window.
 
     Attributes
@@ -384,7 +384,7 @@ class Table:
     pace: float = 1.0
     joints: Array = field(default_factory=lambda: np.array([np.eye(3)] * 4))
 
-    def askew(self, joint: int, axis: int, angle: float) -> Table:
+    def askew(self, joint: int, axis: int, angle: float) -> TableState:
         """Return the table with one joint turned about a coordinate axis [rad]."""
         a = np.eye(3)[axis]
         cross = np.cross(a, np.eye(3)).T  # cross @ v = a x v
@@ -396,7 +396,7 @@ class Table:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Moment:
+class SimulatedWindow:
     """The samples of one simulated window, before the scale factor.
 
     Attributes

@@ -17,6 +17,14 @@ from budget.inputs.use import in_use
 from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
 from budget.names import MISSION
+from budget.question import (
+    Question,
+    find_sources,
+    needs_test,
+    question_of,
+    sensors_of,
+    source_names,
+)
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import FILES, JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
@@ -26,21 +34,12 @@ from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import TRIALS
-from budget.studies.request import (
-    Analysis,
-    analysis_of,
-    choose_basis,
-    find_sources,
-    needs_test,
-    sensors_of,
-    source_names,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Device, Mission, Procedure, Requirement
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.references.records import Snapshot
     from budget.results import Budget
 
@@ -84,7 +83,7 @@ def check_asked(job: str, asked: Asked) -> None:
 
 
 def compute(
-    job: str, inputs: Sequence[Document], asked: Asked, *, workers: int = 1
+    job: str, inputs: Sequence[YamlFile], asked: Asked, *, workers: int = 1
 ) -> Snapshot:
     """Do a job on its inputs, devices first, in the order they were given.
 
@@ -166,7 +165,7 @@ def compute(
 
 
 def _procedures(
-    procedures: Sequence[Document], stations: Sequence[Document]
+    procedures: Sequence[YamlFile], stations: Sequence[YamlFile]
 ) -> list[Procedure]:
     """Read procedures with their station: that which some name, else that of all.
 
@@ -217,16 +216,13 @@ def _analyze(
     workers: int,
 ) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    basis = choose_basis(
-        requirement, coverage=given.get("coverage"), reference=given.get("reference")
-    )
     budget = analyze(
         *devices,
         procedure=procedure,
         requirement=requirement,
         validate=False,
         workers=workers,
-        **(given | vars(basis)),
+        **given,
     )
     return _snapshot(budget)
 
@@ -238,7 +234,7 @@ def _snapshot(budget: Budget) -> Snapshot:
     is_drawn = any(row.interval_by == BY_TRIALS for row in budget.outputs)
     trials = settings.trials or (TRIALS if is_drawn else None)
     sure = trials is not None and standard_errors(
-        analysis_of(budget).problem,
+        question_of(budget).problem,
         trials=trials,
         coverage=settings.coverage,
         interval=settings.interval,
@@ -246,7 +242,7 @@ def _snapshot(budget: Budget) -> Snapshot:
     return snapshot_of(budget.to_dict(), {"": sure} if sure else {})
 
 
-def _mission(document: Document) -> Mission:
+def _mission(document: YamlFile) -> Mission:
     """Read a mission; what a trajectory is in is a file that nobody stored.
 
     Raises
@@ -278,8 +274,8 @@ def _compare(
     for row in document["devices"]:
         if row["trials"] is not None:
             device, how = by_name[row["file"]], tests[row["procedure"]]
-            analysis = (
-                Analysis(
+            question = (
+                Question(
                     devices=(device,),
                     procedure=in_use(how, requirement, given["mission"]),
                     coverage=requirement.coverage,
@@ -289,17 +285,17 @@ def _compare(
                     carried_to=(),
                 )
                 if row["sensor"] == MISSION
-                else Analysis.of(device, procedure=how, requirement=requirement).alone(
+                else Question.of(device, procedure=how, requirement=requirement).alone(
                     row["sensor"]
                 )
             )
             errors[device_of(document, row)] = standard_errors(
-                analysis.problem, trials=row["trials"], coverage=requirement.coverage
+                question.problem, trials=row["trials"], coverage=requirement.coverage
             )
     return snapshot_of(document, errors)
 
 
-def _told_apart(devices: Sequence[Document]) -> list[Document]:
+def _told_apart(devices: Sequence[YamlFile]) -> list[YamlFile]:
     """Count the devices whose files have one name."""
     names = [one.base_name for one in devices]
     return [

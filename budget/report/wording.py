@@ -14,13 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from budget.report.blocks import Block
-    from budget.results import (
-        Assessment,
-        Doubt,
-        OutputAssessment,
-        Settings,
-        Standing,
-    )
+    from budget.results import Assessment, Doubt, OutputAssessment, Standing
+    from budget.settings import Settings
 
 __all__ = [
     "VERDICTS",
@@ -91,7 +86,7 @@ def not_given_lines(
     """Say which lines are absent and what they could change, by sensor and effect.
 
     `reach` has the outputs that each absent line would reach, from
-    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on.
+    budget.missing.expected.could_widen; `is_later`: at a later turn-on.
     """
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
     for name, outputs in reach.items():

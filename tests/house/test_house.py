@@ -17,13 +17,16 @@ from sources import nodes_of
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
 FLOORS = (
-    ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
+    ("version", "arrays", "errors", "names", "earth", "ties", "journal", "views"),
     ("units", "language", "resources", "documents"),
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
+    ("settings",),
     ("results",),
     ("calibration", "methods"),
+    ("aiding", "missing"),
+    ("question",),
     ("studies",),
     ("references",),
     ("report",),
@@ -233,7 +236,7 @@ def test_a_fact_that_a_text_drops_is_seen():
 # and of values in a document.
 OTHER_DOTS = {
     "text.partition('.')",
-    "document.base_name.partition('.')",
+    "self.base_name.partition('.')",
     "place.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",

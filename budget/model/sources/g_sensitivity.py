@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.source import Disturbance, Given, Moment, Triad
+from budget.model.source import Disturbance, Given, SimulatedWindow, Triad
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -38,7 +38,7 @@ class GSensitivity(Disturbance):
         rows = np.eye(3)[:, :, None] * force[..., None, None, :]
         return np.asarray(rows.reshape(*force.shape, len(ELEMENTS)))
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return G f of every sample."""
         return np.asarray(value.reshape(3, 3) @ moment.force)
 

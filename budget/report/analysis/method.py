@@ -12,9 +12,9 @@ from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
 from budget.model.rotation import RotationScheme
 from budget.names import AXES, by_group, parameters_of
+from budget.question import sensors_of
 from budget.report.pages import sections
 from budget.report.wording import error_reference
-from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from budget.model.scheme import Scheme
     from budget.names import Name
     from budget.report.blocks import Section
-    from budget.results import Settings
+    from budget.settings import Settings
 
 
 @dataclass(frozen=True, kw_only=True)
