@@ -533,9 +533,11 @@ class TriadCalibration:
 
     def _add(self, nominal: Array, x: Array, target: str) -> Array:
         """Return nominal values plus their offsets, (n, trials)."""
-        value = np.zeros_like(x, shape=(len(nominal), x.shape[1])) + nominal[:, None]
+        value: Array | float = nominal[:, None] if nominal.any() else 0.0
         for constant in self.offsets[target]:
-            value += constant.value(x)
+            value = value + constant.value(x)
+        if isinstance(value, float) or value.shape[1] != x.shape[1]:
+            return np.zeros_like(x, shape=(len(nominal), x.shape[1])) + value
         return value
 
     def _deviation(self, x: Array, target: str) -> Array | float:
@@ -548,7 +550,9 @@ class TriadCalibration:
 
         K = K0 (1 + sum of the offsets): Zhao 2019, eq. (14).
         """
-        k = np.zeros_like(x, shape=(3, x.shape[1])) + self._deviation(x, "scale_factor")
+        k = self._deviation(x, "scale_factor")
+        if isinstance(k, float):
+            k = np.zeros_like(x, shape=(3, x.shape[1]))
         if self.reference != "next_turn_on":
             return k  # K reference is K0, or K itself and k is 0
         zero: Array | float = 0.0

@@ -207,7 +207,8 @@ def _lags(starts: bytes, kinds: bytes) -> tuple[NDArray[np.intp], Array, Array]:
     every, times = map(np.concatenate, zip(*parts, strict=True))
     keys, place = np.unique(every, return_inverse=True)
     pairs, lags = np.divmod(keys, most)
-    return pairs, lags * tick, np.bincount(place, times)
+    counts = np.asarray(np.bincount(place, times), dtype=float)
+    return pairs, np.asarray(lags * tick), counts
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ class NormScheme(Scheme):
         )
         from_held = np.zeros((len(self.norm_weights), 12))
         from_held[:, held] = self.norm_weights @ every[:, held]
-        return np.linalg.inv(value[:, :BIAS]), from_held
+        return np.asarray(np.linalg.inv(value[:, :BIAS])), from_held
 
     def read_errors(self, truth: Truth, epsilon: Array) -> Errors:
         """Solve for the errors of the parameters; those held are as they are.
@@ -139,8 +139,10 @@ class NormScheme(Scheme):
     def _settle(self, found: Array, M: Array, b: Array, noise: Array) -> None:
         """Bring errors of all parameters, (12, trials), from first order to the end."""
         places = self.held.estimated
-        size = np.where(places < len(SIGN) + BIAS, 1.0, 1.0 / np.linalg.norm(self.gravity))
-        largest = before = _largest(found[places], size)
+        size = np.where(
+            places < len(SIGN) + BIAS, 1.0, 1.0 / np.linalg.norm(self.gravity)
+        )
+        before = largest = _largest(found[places], size)
         for _ in range(STEPS):
             step = self._misfit(found, M, b, noise)
             found[places] -= step
@@ -275,9 +277,9 @@ def _largest(values: Array, size: Array) -> float:
 
 def _product(a: Array, b: Array) -> Array:
     """Return the matrix product of (3, 3, trials) and (3, 3, trials)."""
-    return a[:, :1] * b[0] + a[:, 1:2] * b[1] + a[:, 2:] * b[2]
+    return np.asarray(a[:, :1] * b[0] + a[:, 1:2] * b[1] + a[:, 2:] * b[2])
 
 
 def _applied(a: Array, v: Array) -> Array:
     """Return the product of matrices (3, 3, trials) and vectors (3, trials)."""
-    return a[:, 0] * v[0] + a[:, 1] * v[1] + a[:, 2] * v[2]
+    return np.asarray(a[:, 0] * v[0] + a[:, 1] * v[1] + a[:, 2] * v[2])
