@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from budget.errors import OutputError
-from budget.language import spoken
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -187,8 +186,7 @@ def template_environment(**options: object) -> SandboxedEnvironment:
         def get_cache_key(self, name: str, filename: str | None = None) -> str:
             if filename is None or not Path(filename).is_relative_to(ships):
                 return ""
-            flat = name.removeprefix(SHIPPED).replace("/", ".")
-            return cache_from_source(str(PACKAGE / flat), optimization=spoken())
+            return cache_from_source(str(PACKAGE / name.replace("/", ".")))
 
         def get_source_checksum(self, source: str) -> str:
             return sha256(f"{maker}\n{source}".encode()).hexdigest()
@@ -202,7 +200,7 @@ def template_environment(**options: object) -> SandboxedEnvironment:
                 return
             own = Path(f"{bucket.key}.{os.getpid()}")
             with suppress(OSError):
-                own.parent.mkdir(exist_ok=True)
+                own.parent.mkdir(parents=True, exist_ok=True)
                 own.write_bytes(bucket.bytecode_to_string())
                 own.replace(bucket.key)
 
