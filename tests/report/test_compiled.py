@@ -8,12 +8,8 @@ import pytest
 
 from budget import resources
 from budget.language import speaking
-from budget.report.page import page_environment
 from budget.report.pages import _environment
 from budget.resources import shipped, template_environment
-
-ENVIRONMENTS = (page_environment, _environment)
-
 
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
@@ -52,10 +48,9 @@ def test_what_is_spoiled_is_compiled_again(kept):
         assert made(template_environment()) == 1
 
 
-@pytest.mark.parametrize("environment", ENVIRONMENTS)
-def test_templates_compile_alike_in_every_language(environment):
+def test_templates_compile_alike_in_every_language():
     """So that what was compiled in one language serves the others."""
-    there = environment()
+    there = _environment()
     texts = {
         path.name: path.read_text(encoding="utf-8")
         for path in shipped("templates", "pages").rglob("*.j2")
