@@ -380,7 +380,14 @@ class Problem:
             else replace(group, covariance=group.covariance * factor**2)
             for group, factor in zip(self.groups, factors.tolist(), strict=True)
         )
-        return replace(self, groups=tuple(groups))
+        found = replace(self, groups=tuple(groups))
+        vars(found)["unsized"] = self.unsized
+        return found
+
+    @cached_property
+    def unsized(self) -> Problem:
+        """A Problem with the same function at the same estimates: itself, mostly."""
+        return self
 
     @cached_property
     def mean(self) -> Array:

@@ -8,8 +8,9 @@ source that both triads share is drawn once and felt by both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +32,7 @@ from budget.model.source import (
     SENSORS,
     TURN_ON,
     Disturbance,
+    Given,
     Initial,
     Noise,
     Nonlinearity,
@@ -46,17 +48,19 @@ from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Hashable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
-    from budget.model.source import Act, Gains, Given, Source
+    from budget.model.source import Act, Gains, Source
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 
+KEPT = 16  # Problems: the studies of a device ask for the same ones again
+GIVEN = tuple(one.name for one in fields(Given))
 MOST_INPUTS = 1000  # of one source: turns, stops; all second derivatives are carried
 # Spread below this part of a parameter's natural size is rounding of doubles: of a
 # scale factor 1, of an angle 1 rad, of a bias the input it is measured beside.
@@ -105,6 +109,53 @@ def calibration_problem(
     CallError
         A line is no error source that the program knows.
     """
+    asked = None if outputs is None else tuple(outputs)
+    told = tuple(map(_told, sensors))
+    key = (told, procedure, reference, only, asked, every)
+    if key not in _kept:
+        while len(_kept) >= KEPT:
+            del _kept[next(iter(_kept))]
+        _kept[key] = _made(
+            sensors, procedure, reference, only=only, outputs=asked, every=every
+        )
+    return _kept[key]
+
+
+_kept: dict[Hashable, Problem] = {}  # by what is told of it
+
+
+def _told(sensor: Sensor) -> Hashable:
+    """Return all that a calibration takes of a triad."""
+    return (
+        sensor.kind,
+        sensor.device,
+        *(
+            None if one is None else one.tobytes()
+            for one in (
+                sensor.nominal_bias,
+                sensor.nominal_mounting_angle,
+                sensor.range,
+            )
+        ),
+        *(
+            value.tobytes() if isinstance(value, np.ndarray) else value
+            for line in (*sensor.lines, None, *sensor.initial)
+            for value in (itemgetter(*GIVEN)(vars(line)) if line else (None,))
+        ),
+        None if sensor.beside is None else _told(sensor.beside),
+    )
+
+
+def _made(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    reference: str,
+    *,
+    only: frozenset[str] | None,
+    outputs: tuple[Name, ...] | None,
+    every: bool,
+) -> Problem:
+    """Set up a Problem; see `calibration_problem`."""
     there, rows, triads = _laid_out(sensors, procedure, every=every)
     members = [
         (row, row.group(triads, procedure, reference, only=only))

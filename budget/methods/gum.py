@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -273,7 +274,19 @@ def derivatives(problem: Problem) -> Expansion:
     ProblemError
         The model has no derivatives at the best estimates, or overflows.
     """
-    # Derivatives by the function's arguments; inputs of a pool share them.
+    one = problem.unsized
+    found = _derived.get(one)
+    if found is None:
+        found = _derived[one] = _derivatives(one)
+    return found
+
+
+# Of a Problem as long as there is one: studies ask for the law of the same one again.
+_derived: WeakKeyDictionary[Problem, Expansion] = WeakKeyDictionary()
+
+
+def _derivatives(problem: Problem) -> Expansion:
+    """Take the derivatives by the function's arguments; inputs of a pool share them."""
     point = problem.add_up(problem.mean[:, None])[:, 0]
     taylor = expand(problem.components, point)
     columns = problem.columns
