@@ -186,7 +186,8 @@ def template_environment(**options: object) -> SandboxedEnvironment:
         def get_cache_key(self, name: str, filename: str | None = None) -> str:
             if filename is None or not Path(filename).is_relative_to(ships):
                 return ""
-            return cache_from_source(str(PACKAGE / name.replace("/", ".")))
+            flat = "-".join((TEMPLATES, *Path(name).parts, "compiled"))
+            return cache_from_source(str(PACKAGE / f"{flat}.py"))
 
         def get_source_checksum(self, source: str) -> str:
             return sha256(f"{maker}\n{source}".encode()).hexdigest()
@@ -198,7 +199,7 @@ def template_environment(**options: object) -> SandboxedEnvironment:
         def dump_bytecode(self, bucket: Bucket) -> None:
             if not bucket.key or sys.dont_write_bytecode:
                 return
-            own = Path(f"{bucket.key}.{os.getpid()}")
+            own = Path(f"{bucket.key}-{os.getpid()}")
             with suppress(OSError):
                 own.parent.mkdir(parents=True, exist_ok=True)
                 own.write_bytes(bucket.bytecode_to_string())

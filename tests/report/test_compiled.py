@@ -11,6 +11,7 @@ from budget.language import speaking
 from budget.report.pages import _environment
 from budget.resources import shipped, template_environment
 
+
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
     """Let Python keep what it compiles in a folder of the test's own."""
@@ -32,7 +33,7 @@ def test_a_template_is_compiled_once(kept, monkeypatch):
     """Again where the program changes, or its options do; never where none is kept."""
     assert [made(template_environment()) for _ in range(2)] == [1, 0]
     assert [made(template_environment(finalize=str)) for _ in range(2)] == [1, 0]
-    assert any(kept.rglob("letterhead*.pyc"))
+    assert any(kept.rglob("*letterhead*.pyc"))
     monkeypatch.setattr(resources, "_code", lambda: ("another",))
     assert [made(template_environment()) for _ in range(2)] == [1, 0]
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
@@ -43,7 +44,7 @@ def test_what_is_spoiled_is_compiled_again(kept):
     """Half a file, and one that holds something else."""
     made(template_environment())
     for content in (b"", b"no bytecode"):
-        (file,) = kept.rglob("letterhead*.pyc")
+        (file,) = kept.rglob("*letterhead*.pyc")
         file.write_bytes(content)
         assert made(template_environment()) == 1
 
