@@ -136,10 +136,13 @@ def sizes() -> Iterator[tuple[str, int, Callable[[], object]]]:
 
 
 def fresh() -> None:
-    """Forget Problems that were made, where the tree keeps them."""
+    """Forget functions of calibrations and their derivatives, where a tree keeps any."""
     from budget.calibration import problem
+    from budget.methods import gum
 
-    getattr(problem, "_kept", {}).clear()
+    if hasattr(problem, "_frame"):
+        problem._frame.cache_clear()  # noqa: SLF001
+    getattr(gum, "_KEPT", {}).clear()
 
 
 def spent(done: Callable[[], object]) -> float:
