@@ -136,7 +136,7 @@ def sizes() -> Iterator[tuple[str, int, Callable[[], object]]]:
 
 
 def fresh() -> None:
-    """Forget functions of calibrations and their derivatives, where a tree keeps any."""
+    """Forget functions and derivatives of calibrations, where a tree keeps any."""
     from budget.calibration import problem
     from budget.methods import gum
 
