@@ -3,48 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Engine, Inputs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from budget.inputs.records import Device, Mission, Procedure, Requirement
+    from budget.inputs.records import Device
+    from budget.question import Question
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
-    from budget.settings import Engine
 
 
-REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own
 BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
 OF_MISSION = frozenset({"mission", "at"})  # which analyze takes in place of a test
 
 
-@options.spell_out
+@options.asking("report")
 def report(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
-    output: Annotated[list[Path], options.OUTPUT],
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
-    calibration: options.Calibration = None,
-    procedure: options.ProcedureFile = None,
-    station: options.StationFile = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
-    requirement: options.RequirementFile = None,
-    mission: Annotated[Path | None, options.MISSION] = None,
-    at: options.At = None,
-    asked: options.Asked,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     compare: Annotated[
         list[str] | None,
         typer.Option(
@@ -62,15 +49,13 @@ def report(
             "(proportional).",
         ),
     ] = False,
-    full: options.Full = False,
     number: Annotated[
         str,
         typer.Option(
             metavar="TEXT", help="Number of the report, printed under its title."
         ),
     ] = "",
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    out: options.Output,
 ) -> None:
     """Write the error budget as a report: verdict first, then its basis.
 
@@ -79,49 +64,25 @@ def report(
     that change the sources.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import (
-        check_destinations,
-        command_line,
-        hand_out,
-        pages_of,
-    )
+    from budget.cli.output import check_files, command_line, hand_out, pages_of
     from budget.errors import CallError
     from budget.inputs import (
         load_all,
-        load_calibration,
-        load_mission,
-        load_requirement,
     )
     from budget.language import speaking
-    from budget.names import MISSION
-    from budget.question import (
-        choose_times,
-        mission_for,
-        question_of,
-    )
+    from budget.question import choose_times
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
-    from budget.report.rendering import check_suffixes, document_date
+    from budget.report.rendering import document_date
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
 
-    check_suffixes(output, paper)
     date = document_date()
-    check_destinations(
-        json,
-        csv,
-        *output,
-        inputs=[
-            *(devices or ()),
-            *(compare or ()),
-            *options.calibration_files(calibration, procedure),
-            *(station, requirement, mission),
-        ],
-    )
+    check_files(out, inputs, devices, more=compare or ())
     _check_extras(
-        requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
+        inputs, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
-    if at and mission is None:
+    if inputs.at and inputs.mission is None:
         raise CallError("--at is a time of a mission: name one with --mission")
     if allocate and asked.missing != "refuse":
         raise CallError(
@@ -129,118 +90,96 @@ def report(
             f"{asked.missing} puts others beside them: one report would hold two "
             "budgets; write two"
         )
-    loaded = options.load_devices(devices, changes)
-    wanted = None if requirement is None else load_requirement(requirement)
-    route = None if mission is None else load_mission(mission)
-    how, of_mission = _calibrations(
-        partial(load_calibration, station=station, age=age, environment=environment),
-        calibration,
-        procedure,
-        mission=route,
-        requirement=wanted,
+    loaded = options.load_devices(devices, inputs.changes)
+    inputs = replace(inputs, requirement=inputs.required, mission=inputs.journey)
+    question = _asked(loaded, inputs, asked)
+    settings, route = asked.settle(), inputs.journey
+    times = (
+        () if route is None else choose_times(route, inputs.at, question.requirement)
     )
-    times = () if route is None else choose_times(route, at or (), wanted)
-    if wanted is not None and route is None:
-        mission_for(wanted, None)
     others = load_all(compare or [])
-    settings = asked.settings(wanted)
-    with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        budget = analyze_as(
-            settings,
-            *loaded,
-            procedure=how,
-            requirement=wanted,
-            mission=route,
-            on_mission=of_mission,
-            engine=engine,
-            command="report",
-        )
+    with computing(engine) as place:
+        budget = analyze_as(settings, question, engine=place, command="report")
         carried = None
         if route is not None:
             carried = analyze_as(
-                replace(settings, reference=REFERENCE, outputs=(), matrices=False),
-                *loaded,
-                procedure=of_mission,
-                requirement=wanted if wanted and MISSION in wanted.kinds else None,
-                mission=route,
-                carried_to=times,
-                engine=engine,
+                replace(settings, matrices=False),
+                question.carry(times, settings.only),
+                engine=place,
                 command="mission",
             )
-        loaded, bare = question_of(budget).devices, loaded
         evidence = gather_evidence(
-            question_of(budget),
+            question,
             budget,
             budget.assessment,
             carried=carried,
-            full=full,
+            full=out.full,
         )
-        with speaking(language):
+        with speaking(out.language):
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),
                 *_extras(
-                    bare,
+                    question,
                     others,
-                    of_mission if wanted and MISSION in wanted.kinds else how,
-                    wanted,
-                    route,
-                    missing=asked.missing,
                     with_allocation=allocate,
                     seed=settings.seed,
-                    engine=engine,
+                    engine=place,
                 ),
             )
-        show = engine.stage("figures and pages") or (lambda _, __: None)
+        show = place.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
-        with speaking(language):
+        with speaking(out.language):
             document = report_document(
                 budget,
-                devices=loaded,
-                procedure=how,
+                devices=question.devices,
+                procedure=question.procedure,
                 evidence=evidence,
                 assessment=budget.assessment,
                 extras=extras,
                 command_line=command_line(context),
                 again=_again(
                     context,
-                    bare,
+                    loaded,
                     is_on_mission=carried is not None
                     and carried.assessment is not None,
-                    without=set() if how is of_mission else {"calibration"},
+                    without={"calibration"} if question.on_mission else set(),
                 ),
                 date=date,
                 number=number,
-                full=full,
+                full=out.full,
             )
-        files = pages_of(document, output, paper)
+        files = pages_of(document, out.output, out.paper)
         show(1, 1)
-    documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
+    documents = [(out.json, lambda: document.json), (out.csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)
 
 
-def _calibrations(
-    load: Callable[..., Procedure],
-    calibration: str | None,
-    procedure: Path | None,
-    *,
-    mission: Mission | None,
-    requirement: Requirement | None,
-) -> tuple[Procedure, Procedure]:
-    """Return the test whose budget it is, and what calibrated the unit for a mission.
+def _asked(devices: tuple[Device, ...], inputs: Inputs, asked: Asked) -> Question:
+    """Return the calibration whose budget it is, and what it leaves on the mission.
 
-    The first is the paper's test where the unit on the mission is as its maker
-    calibrated it, or as it was made: these have no budget of a calibration.
+    It is the paper's test where the unit on the mission is as its maker calibrated it,
+    or as it was made: these have no budget of a calibration.
     """
     from budget.inputs.records import UNCALIBRATED
-    from budget.inputs.use import in_use
-    from budget.question import needs_test
+    from budget.question import Question
 
-    own = load(calibration, procedure, mission=mission, requirement=requirement)
-    own = in_use(own, requirement, mission)
-    if requirement is not None:
-        needs_test(requirement, own)
-    is_tested = mission is None or own.formulas not in UNCALIBRATED
-    return (own if is_tested else load()), own
+    wanted, route, settings = inputs.required, inputs.journey, asked.settle()
+    own = inputs.calibrated(mission=route, requirement=wanted)
+    is_tested = route is None or own.formulas not in UNCALIBRATED
+    paper = replace(inputs, calibration=None, procedure=None)
+    question = Question.of(
+        *devices,
+        procedure=own if is_tested else paper.calibrated(),
+        on_mission=own,
+        requirement=wanted,
+        mission=route,
+        coverage=asked.coverage,
+        reference=asked.reference,
+        only=settings.only,
+        outputs=settings.outputs,
+        missing=asked.missing,
+    )
+    return question if wanted is None else question.whole()
 
 
 def _again(
@@ -283,9 +222,7 @@ def _mission_extra(carried: Budget) -> Extra:
     )
 
 
-def _check_extras(
-    requirement: Path | None, *, allocate: bool, compare: bool, only: bool
-) -> None:
+def _check_extras(inputs: Inputs, *, allocate: bool, compare: bool, only: bool) -> None:
     """Refuse what needs limits or every source, where they are not there.
 
     Raises
@@ -304,7 +241,7 @@ def _check_extras(
         )
         if asked
     ]
-    if wants and requirement is None:
+    if wants and inputs.requirement is None:
         raise CallError(f"{' and '.join(wants)}: give them with --requirement")
     if wants and only:
         raise CallError(
@@ -314,13 +251,9 @@ def _check_extras(
 
 
 def _extras(
-    devices: tuple[Device, ...],
+    question: Question,
     others: tuple[Device, ...],
-    procedure: Procedure,
-    requirement: Requirement | None,
-    mission: Mission | None,
     *,
-    missing: str,
     with_allocation: bool,
     seed: int,
     engine: Engine,
@@ -331,30 +264,24 @@ def _extras(
     from budget.report.allocation.page import allocation_section
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
-    from budget.studies.allocation.allocate import allocate
+    from budget.studies.allocation.allocate import allocate_as
     from budget.studies.comparison.compare import compare
 
+    requirement = question.requirement
     if requirement is None:
         return
-    limited = mission if MISSION in requirement.kinds else None
+    is_carried = MISSION in requirement.kinds
     if with_allocation:
-        allotted = allocate(
-            *devices,
-            requirement=requirement,
-            procedure=procedure,
-            mission=limited,
-            seed=seed,
-            progress=engine.progress,
-        )
+        allotted = allocate_as(question, Asked(seed=seed), engine=engine)
         yield Extra.of("allocation", allotted, (allocation_section(allotted),))
     if others:
         compared = compare(
-            (*devices, *others),
+            (*(question.given or question.devices), *others),
             requirement,
-            [procedure],
-            mission=limited,
+            [(is_carried and question.on_mission) or question.procedure],
+            mission=question.mission if is_carried else None,
             catalogue=load_catalogue(),
-            missing=missing,
+            missing=question.filling.mode,
             seed=seed,
             workers=engine.workers,
             executor=engine.executor,

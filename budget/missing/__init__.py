@@ -178,6 +178,9 @@ def fill_all(
     devices: Sequence[Device], mode: str, catalogue: Sequence[Device] | None = None
 ) -> tuple[tuple[Device, ...], Filling]:
     """Fill devices that make one unit; arguments as of `fill`."""
+    if len(devices) == 1:
+        device, filling = fill(devices[0], mode, catalogue)
+        return (device,), filling
     completed, whole = [], Filling(mode=mode)
     for device in devices:
         one, filling = fill(device, mode, catalogue)
@@ -207,6 +210,12 @@ def comparable(
         if own_grade == grade(other) and own_family == family(owner.technology)
         if (line := other.line(wanted)) is not None
     ]
+
+
+@cache
+def usual_line(name: Name) -> ErrorLine:
+    """Return what stands for an expected line, of 1 in its most usual unit."""
+    return line_of(stand_in(name), name.owner)
 
 
 def line_of(

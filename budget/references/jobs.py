@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import CallError
 from budget.inputs.costs import read_costs
 from budget.inputs.device import read_device
-from budget.inputs.load import uncalibrated
+from budget.inputs.load import load_calibration
 from budget.inputs.mission import read_mission
 from budget.inputs.procedure import read_procedure
 from budget.inputs.requirement import read_requirement
@@ -20,15 +20,16 @@ from budget.names import MISSION
 from budget.question import (
     Question,
     find_sources,
-    needs_test,
     question_of,
+    refuse_unjudged,
     sensors_of,
     source_names,
 )
 from budget.references.quantities import device_of, snapshot_of
-from budget.references.records import FILES, JOBS, Asked, files_fault
+from budget.references.records import FILES, JOBS, STORED, Stored, files_fault
 from budget.references.sampling import standard_errors
 from budget.results import BY_TRIALS
+from budget.settings import Use, rows
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
@@ -43,23 +44,12 @@ if TYPE_CHECKING:
     from budget.references.records import Snapshot
     from budget.results import Budget
 
-# Which settings mean something to which job; the others must stay as they are.
-SETTINGS = {
-    "analyze": (
-        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
-        *("reference", "only", "samples"),
-    ),
-    "mission": (
-        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
-        *("only", "samples"),
-    ),
-    "compare": ("method", "trials", "max_trials", "seed"),
-    "allocate": ("strategy", "fix"),
-}
+# What means nothing to a job here: an allocation is stored without its correction.
+IDLE = {"allocate": {"seed"}}
 _NAMES = {"samples": "sobol and --samples", "max_trials": "max-trials"}
 
 
-def check_asked(job: str, asked: Asked) -> None:
+def check_asked(job: str, asked: Stored) -> None:
     """Refuse settings that mean nothing to a job.
 
     Raises
@@ -69,11 +59,12 @@ def check_asked(job: str, asked: Asked) -> None:
     """
     if job not in JOBS:
         raise CallError(f"kind is {job!r}, allowed: {', '.join(JOBS)}")
-    plain = Asked()
+    usual = Stored()
+    means = rows(Stored, job).keys() - IDLE.get(job, set())
     strange = [
         f"--{_NAMES.get(name, name)}"
-        for name in Asked.__dataclass_fields__
-        if name not in SETTINGS[job] and getattr(asked, name) != getattr(plain, name)
+        for name in STORED
+        if name not in means and getattr(asked, name) != getattr(usual, name)
     ]
     if strange:
         raise CallError(
@@ -83,7 +74,7 @@ def check_asked(job: str, asked: Asked) -> None:
 
 
 def compute(
-    job: str, inputs: Sequence[YamlFile], asked: Asked, *, workers: int = 1
+    job: str, inputs: Sequence[YamlFile], asked: Stored, *, workers: int = 1
 ) -> Snapshot:
     """Do a job on its inputs, devices first, in the order they were given.
 
@@ -99,40 +90,51 @@ def compute(
     procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
     mission = next(map(_mission, by_role.get(MISSION, [])), None)
-    if mission is None and any(MISSION in one.kinds for one in limits):
-        raise CallError(
-            "the requirement has limits on a mission, and none is given; take those "
-            "limits out, or give --mission FILE"
-        )
     costs = [read_costs(one) for one in by_role.get("costs", [])]
-    if job != "compare" and len(procedures) > 1:
-        raise CallError(
-            f"{len(procedures)} procedures were given, a reference of kind {job} takes "
-            "one; give one, or take --kind compare"
-        )
-    if 0 not in FILES[job]["requirement"] and not limits:
-        raise CallError(
-            f"a reference of kind {job} needs a requirement; give --requirement FILE"
-        )
     fault = files_fault(job, [one.kind for one in inputs])
-    if fault:
-        raise CallError(f"found {fault}; give as many, or take another --kind")
-    if mission is not None:
-        procedures = procedures or [uncalibrated("factory")]
-        for one in limits:
-            needs_test(one, procedures[0])
+    _refuse(
+        (
+            mission is None and any(MISSION in one.kinds for one in limits),
+            (
+                "the requirement has limits on a mission, and none is given; take "
+                "those limits out, or give --mission FILE"
+            ),
+        ),
+        (
+            job != "compare" and len(procedures) > 1,
+            (
+                f"{len(procedures)} procedures were given, a reference of kind {job} "
+                "takes one; give one, or take --kind compare"
+            ),
+        ),
+        (
+            0 not in FILES[job]["requirement"] and not limits,
+            f"a reference of kind {job} needs a requirement; give --requirement FILE",
+        ),
+        (fault, f"found {fault}; give as many, or take another --kind"),
+    )
+    with_maker = mission is not None and not procedures
+    procedures = [
+        load_calibration(
+            asked.calibration or ("factory" if with_maker else None),
+            one,
+            age=asked.age,
+            environment=asked.environment,
+        )
+        for one in procedures or (None,)
+    ]
+    for one in limits if mission is not None else ():
+        refuse_unjudged(one, mission, procedures[0])
     given = {
         name: value
-        for name in SETTINGS[job]
+        for name in rows(Stored, job).keys() & STORED.keys() - rows(Use, job).keys()
         if (value := getattr(asked, name)) is not None
     }
+    given = {n: v for n, v in given.items() if n not in IDLE.get(job, set())}
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with small_blocks():
-        if job == "analyze":
-            requirement = limits[0] if limits else None
-            return _analyze(devices, procedures[0], requirement, given, workers)
-        if job == MISSION:
+        if job in {"analyze", MISSION}:
             budget = analyze(
                 *devices,
                 procedure=procedures[0],
@@ -140,7 +142,7 @@ def compute(
                 mission=mission,
                 validate=False,
                 workers=workers,
-                command=MISSION,
+                command=job,
                 **given,
             )
             return _snapshot(budget)
@@ -164,6 +166,18 @@ def compute(
         return snapshot_of(allocation.to_dict(), {})
 
 
+def _refuse(*wrong: tuple[object, str]) -> None:
+    """Refuse the first of several things that is so.
+
+    Raises
+    ------
+    CallError
+    """
+    for is_so, text in wrong:
+        if is_so:
+            raise CallError(text)
+
+
 def _procedures(
     procedures: Sequence[YamlFile], stations: Sequence[YamlFile]
 ) -> list[Procedure]:
@@ -176,24 +190,33 @@ def _procedures(
     SpecError
         A file is not sound, or there are two stations.
     """
-    if len(stations) > 1:
-        files = ", ".join(one.file for one in stations)
-        raise CallError(
-            f"found the stations {files}, a reference takes one; where a procedure "
-            "names its station, leave --station out"
-        )
     named = [one for one in procedures if named_station(one)]
-    if named and not stations:
-        raise CallError(
-            f"{named[0].file} names the station {named_station(named[0])}, which is "
-            "not among the inputs; save the reference again"
-        )
     station = stations[0] if stations else None
-    if station is not None and not procedures:
-        raise CallError(
-            f"{station.file}: is a station, and no procedure is given that is done "
-            "there; give --procedure FILE, or leave --station out"
-        )
+    files = ", ".join(one.file for one in stations)
+    first = (f"{one.file} names the station {named_station(one)}" for one in named)
+    _refuse(
+        (
+            stations[1:],
+            (
+                f"found the stations {files}, a reference takes one; where a procedure "
+                "names its station, leave --station out"
+            ),
+        ),
+        (
+            named and not stations,
+            (
+                f"{next(first, '')}, which is not among the inputs; save the reference "
+                "again"
+            ),
+        ),
+        (
+            stations and not procedures,
+            (
+                f"{files}: is a station, and no procedure is given that is done there; "
+                "give --procedure FILE, or leave --station out"
+            ),
+        ),
+    )
     found = []
     for one in procedures:
         procedure = read_procedure(one, station if one in named else None)
@@ -203,28 +226,9 @@ def _procedures(
     return found
 
 
-def by_law(asked: Asked) -> Asked:
+def by_law(asked: Stored) -> Stored:
     """Return the same settings with the law in the place of trials."""
     return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
-
-
-def _analyze(
-    devices: Sequence[Device],
-    procedure: Procedure,
-    requirement: Requirement | None,
-    given: dict[str, Any],
-    workers: int,
-) -> Snapshot:
-    """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    budget = analyze(
-        *devices,
-        procedure=procedure,
-        requirement=requirement,
-        validate=False,
-        workers=workers,
-        **given,
-    )
-    return _snapshot(budget)
 
 
 def _snapshot(budget: Budget) -> Snapshot:

@@ -20,6 +20,7 @@ import numpy as np
 from budget.calibration.mission import SEEN
 from budget.errors import CallError
 from budget.inputs.records import Device
+from budget.known import AT_LEAST
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import HORIZONTAL, LENGTHS, Name
@@ -31,16 +32,16 @@ from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
-from budget.report.figures.allan import Allan, draw_allan
-from budget.report.figures.attitudes import Positions, draw_positions
+from budget.report.figures.allan import Allan, allan_plot
+from budget.report.figures.attitudes import Positions, positions_plot
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
     tornado_chart,
     waterfall_chart,
 )
-from budget.report.figures.density import density_step
-from budget.report.figures.growth import ErrorGrowth, draw_growth
+from budget.report.figures.density import density_plot
+from budget.report.figures.growth import ErrorGrowth, growth_plot
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -55,11 +56,11 @@ from budget.report.figures.sources import (
 )
 from budget.report.figures.style import headed
 from budget.report.figures.timeline import schedule_chart
-from budget.report.figures.track import draw_track
+from budget.report.figures.track import track_plot
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import AT_LEAST, group_tables, output_row
+from budget.report.tables import group_tables, output_row
 from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
@@ -84,7 +85,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Block, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable, OutputRow
-    from budget.results import OutputAssessment, Tabled
+    from budget.results import JudgedOutput, Study
 
 T = TypeVar("T")
 MOST = 10  # rows of a small table
@@ -241,7 +242,7 @@ def _matter(budget: Budget) -> Iterator[Line]:
             yield line
 
 
-def _limits(budget: Budget) -> dict[Name, OutputAssessment]:
+def _limits(budget: Budget) -> dict[Name, JudgedOutput]:
     """Return what is limited of a budget, by the names of outputs."""
     found = budget.assessment
     return {} if found is None else {row.output.name: row for row in found.outputs}
@@ -341,7 +342,7 @@ def export_text(found: Export) -> str:
     return write_export(found)
 
 
-def study_frame(found: Tabled) -> pd.DataFrame:
+def study_frame(found: Study) -> pd.DataFrame:
     """Return the rows of a study as a pandas frame; empty cells are missing.
 
     Of a comparison and a decision those are devices, best first.
@@ -599,7 +600,7 @@ class Plots:
         question = question_of(self.budget)
         kinds = [sensor.kind for sensor in question.sensors]
         found = Positions.of(question.procedure, kinds)
-        return draw_positions(_found(found, "the calibration has no positions"))
+        return positions_plot(_found(found, "the calibration has no positions")).figure
 
     @_headed
     def allan(self, sensor: str = "") -> Figure:
@@ -611,9 +612,8 @@ class Plots:
         triads = {one.kind: one for one in question.sensors}
         triad = _choice(triads, sensor or next(iter(triads)))
         found = Allan.of(triad, question.procedure)
-        return draw_allan(
-            _found(found, f"no specification of the {triad.kind} is noise")
-        )
+        why = f"no specification of the {triad.kind} is noise"
+        return allan_plot(_found(found, why)).figure
 
     @_headed
     def growth(self, error: str = "position.horizontal") -> Figure:
@@ -628,14 +628,14 @@ class Plots:
         found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
         judged = self.budget.assessment
         limits = () if judged is None else judged.outputs
-        return draw_growth(_found(found, "nothing moves that error"), limits)
+        return growth_plot(_found(found, "nothing moves that error"), limits).figure
 
     @_headed
     def track(self) -> Figure:
         """Show the track of a mission from above, with ellipses of its errors."""
         found = way_with_errors(self.budget, _curve(self.budget))
         why = "the position has no covariance at the times that are asked for"
-        return draw_track(_found(found, why))
+        return track_plot(_found(found, why)).figure
 
     @_headed
     def validation(self, sensor: str = "") -> Figure:
@@ -667,7 +667,7 @@ class Plots:
             )
         }
         density = _choice(found, output or next(iter(found), ""))
-        return density_step(density, coverage=budget.settings.coverage)
+        return density_plot(density, coverage=budget.settings.coverage).figure
 
     def _group(self, group: str) -> GroupTable:
         """Return the group of that name; see `contributions` for which without."""

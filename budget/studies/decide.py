@@ -5,20 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import reduce
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
-from budget.inputs import load_mission, load_procedure, load_requirement
+from budget.inputs import load_procedure, load_requirement
 from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import IMU, MISSION
-from budget.results import VERDICTS, Tabled
+from budget.results import VERDICTS, Study, Verdict
+from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
 from budget.studies.comparison.ranking import as_one, place_of
-from budget.studies.comparison.records import NUMBERED, DeviceVerdict
+from budget.studies.comparison.records import NUMBERED
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
 from budget.ties import settle
@@ -27,9 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
-    from budget.results import Condition, InputFile, Standing
-    from budget.settings import Progress, Settings
+    from budget.inputs.records import Device, Procedure, Requirement
+    from budget.results import Condition
+    from budget.settings import Settings
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
     from budget.studies.stations import StationVerdict
@@ -61,7 +62,7 @@ class Offer(Documented):
     calibration: str  # the name of the procedure, or of the maker's
     order: int  # of the calibration: 0 is the maker's, where it is among them
     parts: tuple[Entrant, ...]  # both triads, what belongs to both, the mission
-    standing: Standing  # of all parts, as `compare` puts them together
+    standing: Verdict  # of all parts, as `compare` puts them together
 
     @property
     def verdict(self) -> str:
@@ -89,13 +90,12 @@ class Offer(Documented):
         return self.parts[0].power
 
     @property
-    def judged(self) -> tuple[DeviceVerdict, ...]:
+    def judged(self) -> tuple[Entrant, ...]:
         """Its parts; () where nothing is known of one."""
-        known = tuple(one for one in self.parts if isinstance(one, DeviceVerdict))
-        return known if len(known) == len(self.parts) else ()
+        return self.parts if all(one.is_judged for one in self.parts) else ()
 
     @property
-    def worst(self) -> DeviceVerdict | None:
+    def worst(self) -> Entrant | None:
         """The part that uses most of its limits; None: nothing is known of one."""
         return max(self.judged, key=lambda one: settle(one.utilisation), default=None)
 
@@ -107,7 +107,7 @@ class Offer(Documented):
     @property
     def is_bound(self) -> bool:
         """Whether the utilisation is that or more."""
-        return any(getattr(one, "lower_bound", True) for one in self.parts)
+        return any(one.utilisation.is_bound for one in self.parts)
 
     @property
     def place(self) -> tuple[float, ...]:
@@ -211,7 +211,7 @@ class Purchase(Documented):
     commands="decide",
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Decision(Tabled):
+class Decision(Study):
     """What to buy for a requirement, of the devices that were offered."""
 
     requirement: str
@@ -219,10 +219,7 @@ class Decision(Tabled):
     calibrations: tuple[str, ...]
     purchases: tuple[Purchase, ...]
     not_compared: tuple[str, ...]  # sensors that are limited, and no device has
-    inputs: tuple[InputFile, ...]
     settings: Settings
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     @property
     def is_met(self) -> bool:
@@ -240,21 +237,15 @@ class Decision(Tabled):
         return gravest(one.offers[0].verdict for one in self.purchases)
 
 
+@asking("decide")
 def decide(
     devices: Device | File | Sequence[Device | File],
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
-    mission: Mission | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    catalogue: Sequence[Device] | None = None,
-    missing: str = "refuse",
-    method: str = "gum",
-    seed: int = 0,
-    workers: int = 1,
-    progress: Progress | None = None,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
 ) -> Decision:
     """Say what to buy, after which calibration, on which station.
 
@@ -266,13 +257,11 @@ def decide(
 
     Parameters
     ----------
-    devices, requirement, mission, station, age, environment, catalogue, missing
+    devices, requirement
         As of `compare`.
     procedures : sequence of Procedure
         Calibrations that are at hand, the one preferred first; the paper's, if none is
         given.
-    method, seed, workers, progress
-        As of `compare`.
 
     Returns
     -------
@@ -284,28 +273,22 @@ def decide(
         As of `compare`; two calibrations have one name.
     """
     wanted = load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
+    journey = inputs.journey
+    inputs = replace(inputs, mission=journey)
+    asked = replace(asked, validate=False)
     given = several(procedures)
     as_made = {*wanted.kinds} <= {MISSION}
     at_hand = tuple(map(load_procedure, given if any(given) else (None,)))
     check_names(at_hand)
     tests: tuple[Procedure | str, ...] = (*([FACTORY] if as_made else []), *at_hand)
     imus = load_devices(devices, variants=True)
-    use: dict[str, Any] = {"age": age, "environment": environment}
     found = [
         compare(
             imus,
             wanted,
-            mission=journey,
-            calibration=test,
-            station=station,
-            catalogue=catalogue,
-            missing=missing,
-            method=method,
-            seed=seed,
-            workers=workers,
-            progress=progress,
-            **use,
+            inputs=replace(inputs, calibration=test),
+            asked=asked,
+            engine=engine,
         )
         for test in tests
     ]
@@ -316,21 +299,18 @@ def decide(
             return one
         device = imus[one.chosen.parts[0].place]
         test = tests[one.chosen.order]
-        given: dict[str, Any] = {"requirement": wanted, "calibration": test, **use}
+        given = replace(inputs, requirement=wanted, calibration=test)
         own = replace(one, is_aged=_ages(device))
         if not as_made:
-            own = replace(own, stations=qualify(device, **given).stations)
+            own = replace(
+                own,
+                stations=qualify(
+                    device, inputs=replace(given, station=None, mission=None)
+                ).stations,
+            )
         if not own.is_aged:
             return own
-        again = allocate(
-            device,
-            mission=journey,
-            station=station,
-            catalogue=catalogue,
-            validate=False,
-            seed=seed,
-            **given,
-        ).recalibrations
+        again = allocate(device, inputs=given, asked=asked).recalibrations
         kept = tuple(each for each in again if each.goal == AS_THEY_ARE)
         return replace(own, recalibrations=kept)
 
@@ -433,12 +413,11 @@ def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> tuple[Purchas
 
 def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
     """Put the parts of a unit together: triads as `compare` does, then the mission."""
-    judged = [one for one in parts if isinstance(one, DeviceVerdict)]
-    triads = [one for one in judged if one.sensor != MISSION]
-    standings = [one.standing for one in parts]
-    if len(judged) == len(parts) and len(triads) > 1:
-        of_mission = [one.standing for one in judged if one.sensor == MISSION]
-        standings = [as_one(triads, is_shared=is_shared).standing, *of_mission]
+    triads = [one for one in parts if one.is_judged and one.sensor != MISSION]
+    standings: list[Verdict] = [*parts]
+    if all(one.is_judged for one in parts) and len(triads) > 1:
+        of_mission = [one for one in parts if one.sensor == MISSION]
+        standings = [as_one(triads, is_shared=is_shared), *of_mission]
     first = parts[0]
     return Offer(
         name=first.name,
@@ -446,10 +425,5 @@ def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
         calibration=first.procedure,
         order=order,
         parts=tuple(parts),
-        standing=reduce(_beside, standings),
+        standing=reduce(Verdict.beside, standings),
     )
-
-
-def _beside(one: Standing, other: Standing) -> Standing:
-    """Put two parts of a unit together."""
-    return one.beside(other, verdict=gravest((one.verdict, other.verdict)))

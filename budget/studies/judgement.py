@@ -23,11 +23,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.aiding import problem_of_mission
-from budget.calibration.derived import outputs_for
-from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
-from budget.inputs.records import JOINT
+from budget.methods.gum import covariance_by_source
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -38,14 +35,17 @@ from budget.methods.largest import (
     sampling_interval,
 )
 from budget.methods.normality import end_accuracy
+from budget.methods.radius import principal_variances, probability_within
 from budget.methods.trials import first_trials
-from budget.question import on_mission
+from budget.question import Limited
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
+    NO_REMEDY,
     TINY,
-    OutputAssessment,
+    JudgedOutput,
     Probability,
+    Remedy,
 )
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.ties import ALIKE, equal_to, first_largest, settle
@@ -56,11 +56,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.inputs.records import Mission, Procedure, Requirement, Sensor
     from budget.methods.gum import Propagation
     from budget.names import Name
-    from budget.problem import Output, Problem
-    from budget.results import Standing
+    from budget.problem import Problem
+    from budget.results import Verdict
 
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
@@ -68,87 +67,7 @@ STEP = 4  # times as many trials in each try
 # Of what sampling leaves open of an end of a normal output: a law that is surer is
 # surer than trials of any output that is so nearly normal [1].
 SURE = 0.5
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Limited:
-    """What is judged: the Problem of a sensor or a mission, and limits on outputs."""
-
-    problem: Problem
-    # Required outputs among those of the Problem, shape (n_required,).
-    rows: NDArray[np.intp]
-    limits: Array  # on their absolute errors, shape (n_required,) [SI]
-    coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
-    printed: tuple[str, ...]  # the limits as the requirement file gives them
-    usual: float  # the requirement's coverage, of limits without their own [1]
-    # Parameters with a limit that the calibration does not estimate.
-    absent: tuple[Name, ...] = ()
-    is_joint: bool = False  # whether all limits are to be kept together
-
-    @property
-    def outputs(self) -> tuple[Output, ...]:
-        """The required outputs."""
-        return tuple(self.problem.outputs[row] for row in self.rows)
-
-    @property
-    def every_coverage(self) -> Array:
-        """Coverages of all outputs of the Problem, shape (n_out,) [1].
-
-        What is not required has that of the first that is.
-        """
-        found = np.full(len(self.problem.outputs), self.coverage[0])
-        found[self.rows] = self.coverage
-        return found
-
-
-def required_problem(
-    sensors: tuple[Sensor, ...],
-    procedure: Procedure,
-    requirement: Requirement,
-    mission: Mission | None = None,
-    *,
-    designed: tuple[tuple[Sensor, ...], Procedure] | None = None,
-) -> Problem:
-    """Return the calibration of a sensor, with all that is limited of it.
-
-    Or the mission of a gyro and an accelerometer after it, with what is limited of
-    that; its filter is `designed` for other ones.
-    """
-    limited = requirement.outputs
-    if mission is not None:
-        wanted = on_mission(limited, mission)
-        return problem_of_mission(
-            sensors, procedure, mission, wanted, designed=designed
-        )
-    return calibration_problem(
-        sensors,
-        procedure,
-        reference=requirement.reference,
-        outputs=outputs_for([one.kind for one in sensors], procedure, limited),
-    )
-
-
-def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
-    """Put the limits of a requirement on a Problem; None where it has none there."""
-    places = {output.name: row for row, output in enumerate(problem.outputs)}
-    required = [limit for limit in requirement.limits if limit.output in places]
-    if not required:
-        return None
-    return Limited(
-        problem=problem,
-        rows=np.array([places[limit.output] for limit in required]),
-        limits=np.array([limit.limit for limit in required]),
-        coverage=np.array([requirement.coverage_of(limit) for limit in required]),
-        printed=tuple(limit.printed for limit in required),
-        usual=requirement.coverage,
-        is_joint=requirement.decision == JOINT,
-        absent=tuple(
-            limit.output
-            for limit in requirement.limits
-            if limit.output not in places
-            and limit.output.owner in {name.owner for name in places}
-        ),
-    )
+GROWTH = 4.0  # of a variance, from one try of a bracket to the next [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -521,17 +440,17 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 def assess_outputs(
     held: Limited,
     judged: Judged,
-    standing: Standing,
+    verdict: Verdict,
     lacks: Mapping[Name, tuple[Name, ...]],
-) -> tuple[OutputAssessment, ...]:
+) -> tuple[JudgedOutput, ...]:
     """Return every required output against its limit.
 
     `lacks` are the lines that are not given and would widen an output, by its name;
     those that by the verdict are negligible leave nothing open.
     """
-    open_to = [standing.matter(lacks[output.name]) for output in held.outputs]
+    open_to = [verdict.matter(lacks[output.name]) for output in held.outputs]
     return tuple(
-        OutputAssessment(
+        JudgedOutput(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],
@@ -539,12 +458,73 @@ def assess_outputs(
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lower_bound=bool(open_to[k]),
-            is_unknown=bool(open_to[k] and judged.u[k] <= output.resolution),
+            lacks=open_to[k],
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)
     )
+
+
+def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
+    """Return the source that makes most of the worst output, and what would mend it.
+
+    With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
+    gives the factor f on its standard uncertainty, by the law and with the k of the
+    interval that was judged; its small part in products with other sources is left as
+    it is. Of a length, the circle that was judged goes as the law's does.
+    """
+    worst = judged.worst
+    row = held.rows[worst]
+    parts = law.source_variance[:, row]
+    if not parts.size:  # a sensor without lines has the row of products alone
+        return NO_REMEDY
+    source = first_largest(parts.tolist())
+    total = float(law.covariance[row, row])
+    name = held.problem.groups[source].name
+    if total == 0.0:
+        return Remedy(source=name, share=0.0, factor=None)
+    if row >= law.value.size - law.legs.shape[1]:
+        factor = _of_length(held, law, judged, source)
+        return Remedy(source=name, share=float(parts[source]) / total, factor=factor)
+    k = float(judged.factor[worst])
+    allowed = (max(held.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
+    rest = total - float(parts[source])
+    can_mend = allowed > rest and parts[source] > 0.0
+    return Remedy(
+        source=name,
+        share=float(parts[source]) / total,
+        factor=float(np.sqrt((allowed - rest) / parts[source])) if can_mend else None,
+    )
+
+
+def _of_length(
+    held: Limited, law: Propagation, judged: Judged, source: int
+) -> float | None:
+    """Return the factor on a source that brings a length to its limit; None: none does.
+
+    The ellipse of U - (1 - f^2) U_s gives a circle of the limit's radius, times what
+    the law's circle is to that which was judged, its coverage.
+    """
+    from scipy.optimize import brentq
+
+    row = held.rows[judged.worst]
+    legs = law.legs[:, row - (law.value.size - law.legs.shape[1])]
+    part = covariance_by_source(held.problem, law)[source][np.ix_(legs, legs)]
+    rest = law.covariance[np.ix_(legs, legs)] - part
+    by_law = law.interval(held.every_coverage)[row, 1]
+    radius = np.array([by_law / judged.utilisation])
+
+    def excess(squared: float) -> float:
+        (a, between), (_, b) = (rest + squared * part)[:, :, None]
+        within = probability_within(radius, principal_variances(a, b, between))
+        return float(within[0] - held.coverage[judged.worst])
+
+    if excess(0.0) <= 0.0:
+        return None
+    most = 1.0
+    while excess(most) > 0.0:
+        most *= GROWTH
+    return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
 
 
 def together(judged: Sequence[Judged]) -> Probability:

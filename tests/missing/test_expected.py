@@ -12,6 +12,7 @@ from places import DOCS
 
 from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
+from budget.known import AT_LEAST
 from budget.methods.gum import propagate
 from budget.missing import line_of
 from budget.missing.expected import could_widen, lacking
@@ -22,11 +23,11 @@ from budget.question import question_of
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.analysis.what_if import what_if_section
-from budget.report.comparison.figures import pareto_title
+from budget.report.comparison.figures import front_plot
 from budget.report.comparison.tables import rankings
 from budget.report.document import to_csv, to_json
-from budget.report.figures.density import density_picture, density_title
-from budget.report.tables import AT_LEAST, group_tables
+from budget.report.figures.density import density_plot
+from budget.report.tables import group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
@@ -204,11 +205,11 @@ def test_the_undecidable_come_before_those_that_fail():
 
     assert gyro_ranks(comparison) == ["bare", "bad"]
     assert found["bare"].verdict == "undecidable"
-    assert found["bare"].lower_bound
-    assert not found["bad"].lower_bound
+    assert found["bare"].utilisation.is_bound
+    assert not found["bad"].utilisation.is_bound
     assert found["bare"].on_front == ()
     assert "mass" in found["bad"].on_front
-    assert "bare" not in pareto_title(table, "mass")
+    assert "only bad gives one" in front_plot(table, "mass")
     assert table.rows[0].utilisation.startswith("≥ ")
     assert table.rows[0].conformance == ""  # at the most 100 says nothing
 
@@ -256,17 +257,18 @@ def test_what_the_page_computes_with_is_marked():
     model = what_if(question_of(budget), budget=budget)
     lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
 
-    assert dict(zip(bound_names(model), model.lower_bound, strict=True)) == lacking_of
+    lacks = map(bool, model.lacks)
+    assert dict(zip(bound_names(model), lacks, strict=True)) == lacking_of
     assert any(lacking_of.values())
     assert not all(lacking_of.values())
     document = model.to_dict()["outputs"]
     assert {row["name"]: row["lower_bound"] for row in document} == lacking_of
     steps = one_at_a_time(model)
-    assert {row.lower_bound for row in steps} == {
+    assert {bool(row.lacks) for row in steps} == {
         lacking_of[row.output.name] for row in steps
     }
     assert all(
-        row.used_lower_bound == (row.source.name.owner == "gyro") for row in steps
+        bool(row.used_lacks) == (row.source.name.owner == "gyro") for row in steps
     )
     table = (
         what_if_section(budget, model, steps, devices=question_of(budget).devices)
@@ -280,12 +282,13 @@ def test_what_the_page_computes_with_is_marked():
     )
     for density in densities:
         marked = lacking_of[density.output.name]
-        data = density_picture(density, coverage=0.95).data
+        data = density_plot(density, coverage=0.95).picture.data
         cells = [row[1].text for row in data.groups[0].rows]
         assert bool(density.lacks) == marked
         assert any(text.startswith(AT_LEAST) for text in cells) == marked
         assert (
-            "specifications are not given" in density_title(density, coverage=0.95)
+            "specifications are not given"
+            in density_plot(density, coverage=0.95).said.title
         ) == marked
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from places import TESTS
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
+from budget.question import Question
 from budget.settings import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
@@ -41,16 +41,15 @@ def limited(horizontal="10 m"):
 def on_mission(unit="tac", factor=1.0, **more):
     """Return the budget of a unit on the mission, as its maker calibrated it."""
     changes = [f"{WALK}={0.1 * factor!r} deg/sqrt(h)"] * (factor != 1.0)
-    settings = more.pop("settings", Settings(validate=False))
-    return analyze_as(
-        replace(settings, reference="next_turn_on"),
+    question = Question.load(
         load_device(DATA / f"{unit}.yaml", changes),
         procedure=FACTORY,
-        mission=load_mission(more.pop("mission", G1)),
-        carried_to=more.pop("carried_to", (660.0,)),
-        command="mission",
-        **more,
+        mission=more.pop("mission", G1),
+        at=more.pop("carried_to", (660.0,)),
+        requirement=more.pop("requirement", None),
     )
+    settings = more.pop("settings", Settings(validate=False))
+    return analyze_as(settings, question, command="mission", **more)
 
 
 @cache
@@ -172,7 +171,7 @@ def test_a_mission_that_is_aided_to_its_end_says_so_beside_its_verdict():
     need = load_requirement({"name": "n", "limits": {"mission": {"position": [at]}}})
     budget = on_mission(mission=route, requirement=need, carried_to=(60.0,))
     (sensor,) = budget.assessment.sensors
-    assert [one.kind for one in sensor.standing.cautions].count("aided") == 1
+    assert [one.kind for one in sensor.cautions].count("aided") == 1
 
 
 @pytest.mark.parametrize(("mission", "at"), [("g4", "660 s"), ("g1", "600 s")])
@@ -196,7 +195,7 @@ def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, 
         method="gum",
     )
     (row,) = found.on_mission if hasattr(found, "on_mission") else found.devices
-    for standing in (sensor.standing, row.standing):
+    for standing in (sensor, row):
         (text,) = (str(one.text) for one in standing.cautions if one.kind == kind)
         assert words in text
     assert not any(words in text for text in budget.warnings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.known import Known
 from budget.names import AXES
 from budget.report.analysis.verdict import (
     headline,
@@ -21,16 +22,14 @@ from budget.report.figures.contributions import (
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import sobol_chart
 from budget.report.pages import blocks, line, sections
-from budget.report.readings import effect_line, verdict_line
+from budget.report.standing import mode_sentence, not_given_lines
 from budget.report.tables import (
     DASH,
-    bound_number,
     group_tables,
     round_error,
     round_u,
     settings_lines,
 )
-from budget.report.wording import mode_sentence, not_given_lines
 from budget.results import CONVENTION, worst_of
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ if TYPE_CHECKING:
         Assessment,
         Budget,
         Compensation,
-        OutputAssessment,
+        JudgedOutput,
         OutputBudget,
     )
 
@@ -93,7 +92,6 @@ def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, 
     """Return the worst output of each group, and what a reader must know beside it."""
     return blocks(
         "analysis/brief",
-        effect_line=effect_line,
         budget=budget,
         assessment=budget.assessment,
         worst=[_worst(budget.assessment, group) for group in groups],
@@ -113,7 +111,7 @@ class WorstOutput:
 
     output: OutputBudget
     number: OutputRow
-    limited: OutputAssessment | None
+    limited: JudgedOutput | None
 
 
 def _worst(assessment: Assessment | None, group: GroupTable) -> WorstOutput:
@@ -168,8 +166,6 @@ def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
         "charts": [chart for chart in charts if chart],
         "not_given": not_given_lines(budget.could_widen, is_later=is_later),
         "settings": settings_lines(budget.settings),
-        "effect_line": effect_line,
-        "verdict_line": verdict_line,
         "AXES": AXES,
         "CONVENTION": CONVENTION,
         "TESTED": TESTED,
@@ -183,10 +179,9 @@ def _rounded(found: Compensation) -> list[list[list[Number]]]:
     for output, x, u in zip(
         found.outputs, found.value, found.standard_uncertainty, strict=True
     ):
-        is_bias = output.name.quantity != "T"
-        bound = found.bias_lower_bound if is_bias else found.lower_bound
+        lacks = found.lacks if output.name.quantity == "T" else found.bias_lacks
         values.append(round_error(float(x), float(u), output))
-        us.append(bound_number(round_u(float(u), output), lower_bound=bound))
+        us.append(round_u(Known.of(float(u), lacks), output))
     places = range(0, len(values), len(AXES))
     return [[one[k : k + len(AXES)] for k in places] for one in (values, us)]
 

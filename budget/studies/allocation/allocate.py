@@ -11,36 +11,18 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
-from budget.inputs import (
-    load_calibration,
-    load_costs,
-    load_devices,
-    load_mission,
-    load_requirement,
-)
+from budget.inputs import load_costs
 from budget.inputs.records import JOINT
-from budget.inputs.use import in_use
 from budget.methods.allocation import TOUCHES
-from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
-from budget.missing.expected import expecting
 from budget.names import IMU, MISSION, Name
-from budget.question import (
-    limited_but_held,
-    mission_for,
-    navigating,
-    needs_test,
-    not_estimated,
-    not_of_one_sensor,
-    not_weighted,
-    sensors_of,
-)
+from budget.question import Question, limited_but_held
 from budget.results import input_files
 from budget.sentences import sentence
+from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.cases import (
     COVERAGE_OFF,
     NO_BOUNDS,
-    STRATEGIES,
     resize,
     set_up,
     shared_by_equals,
@@ -61,25 +43,25 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
-from budget.studies.judgement import judge, limit_problem
-from budget.studies.verdicts import Case, stand
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+    of_no_vehicle,
+)
+from budget.studies.judgement import judge
+from budget.studies.verdicts import stand
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import (
         Costs,
         Device,
-        Mission,
-        Procedure,
-        Requirement,
         Sensor,
-        Station,
     )
-    from budget.results import Standing
-    from budget.settings import Progress
     from budget.studies.allocation.cases import Bounds, SensorCase
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
@@ -89,23 +71,15 @@ CORRECTIONS = 6  # at the most
 ASSURED = 1e-9  # more than an interval reaches over a limit, for a file's digits [1]
 
 
+@asking("allocate")
 def allocate(
     *devices: Device | File,
-    requirement: Requirement | File,
-    procedure: Procedure | File | None = None,
-    mission: Mission | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    strategy: str | None = None,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
     market: bool = False,
-    catalogue: Sequence[Device] | None = None,
-    validate: bool = True,
-    seed: int = 0,
-    progress: Progress | None = None,
 ) -> Allocation:
     """Find the standard uncertainty that each line may have.
 
@@ -113,20 +87,6 @@ def allocate(
     ----------
     *devices : Device
         Where to start; together at most one gyro and one accelerometer.
-    requirement : Requirement
-        Limits, coverage and reference.
-    procedure : Procedure, optional
-        The paper's, if none is given; where all limits are on a mission, the maker's.
-    mission : Mission, optional
-        What limits on a mission are on. Limits on sensors are shared out first; a line
-        is then at most what they allow.
-    calibration : str, Path, mapping or Procedure, optional
-        What calibrated the unit, in the place of `procedure`: 'none', 'factory' or a
-        procedure.
-    station, age, environment : optional
-        As of `load_procedure`.
-    strategy : str, optional
-        'proportional' (default), 'equal' or 'cost' (default where there are costs).
     costs : Costs, optional
         For the strategy 'cost'; lines that it does not name have a = p = 1.
     bounds : Bounds
@@ -134,14 +94,6 @@ def allocate(
     market : bool
         Whether no line may become better than the best in the catalogue, or than it
         is now.
-    catalogue : sequence of Device, optional
-        What is offered; the shipped devices, if none is given.
-    validate : bool
-        Whether Monte Carlo checks, and corrects, the allocation.
-    seed : int
-        Of Monte Carlo.
-    progress : callable, optional
-        Called with what is being done, steps done and steps in all.
 
     Returns
     -------
@@ -154,67 +106,59 @@ def allocate(
         Options that do not fit together, limits on a mission without one, or no limit
         for any sensor that is there.
     """
-    imus, wanted = load_devices(devices), load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
-    how = load_calibration(
-        calibration,
-        procedure,
-        station=station,
-        age=age,
-        environment=environment,
-        mission=journey,
-        requirement=wanted,
+    return allocate_as(
+        Question.load(*devices, inputs=inputs),
+        asked,
+        engine=engine,
+        costs=costs,
+        bounds=bounds,
+        market=market,
     )
-    how = in_use(how, wanted, journey)
-    mission_for(wanted, journey)
-    needs_test(wanted, how)
+
+
+def allocate_as(
+    question: Question,
+    asked: Asked,
+    *,
+    engine: Engine,
+    costs: Costs | File | None = None,
+    bounds: Bounds = NO_BOUNDS,
+    market: bool = False,
+) -> Allocation:
+    """Share out limits as `allocate` does, of a calibration and of its mission."""
+    imus, wanted = question.devices, question.whole().wanted
+    journey = question.mission if MISSION in wanted.kinds else None
+    unit = question if journey is None else question.alone(MISSION)
+    how, sensors, catalogue = unit.procedure, unit.sensors, question.catalogue
     prices = None if costs is None else load_costs(costs)
-    strategy = _choose_strategy(strategy, prices)
-    sensors = tuple(
-        expecting(sensor, how, wanted.reference)
-        for sensor in (sensors_of(imus, how) if journey is None else navigating(imus))
-    )
+    strategy, seed = _choose_strategy(asked.strategy, prices), asked.seed
     warnings: tuple[str, ...] = ()
-    comparable = None if catalogue is None else tuple(catalogue)
     if catalogue is None:
         catalogue, warnings = load_catalogue()
     offered = best_offered(catalogue, sensors)
-    least = offered if market else {}
-    # What the limits on sensors allow is the most that those on a mission may take.
-    subjects: list[tuple[tuple[Sensor, ...], Mission | None]] = [
-        ((one,), None) for one in sensors if calibrates(one.kind, how)
-    ]
-    if journey is not None:
-        whole = (expecting(one, how, wanted.reference, every=True) for one in sensors)
-        subjects.append((tuple(whole), journey))
-    cases = [
-        case
-        for several, on in subjects
-        if (case := set_up(several, how, wanted, bounds, least, mission=on, seed=seed))
-        is not None
-    ]
+    cases = _set_up(question, unit, bounds, offered if market else {}, seed)
     if not cases:
         raise CallError(
             f"{wanted.name} sets no limit for what is estimated of a sensor "
             "that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
-    if validate:  # begins with what Monte Carlo found of the present state
+    if asked.validate:  # begins with what Monte Carlo found of the present state
         cases = [replace(case, task=case.present) for case in cases]
     feasible = all(case.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
     for place, one in enumerate(cases):
-        case = one if one.mission is None else one.at_most(_allowed(cases))
+        case = one if one.question.journey is None else one.at_most(_allowed(cases))
         feasible = feasible and case.is_feasible
         if case.is_feasible:
             solved = share_out(case)
-            if validate:
+            if asked.validate:
                 solved = _correct(solved, share_out, seed=seed)
                 solved = _assure(solved, share_out, seed=seed)
             cases[place] = solved
-        if progress is not None:
-            progress("error allocation", place + 1, len(cases))
+        if engine.progress is not None:
+            engine.progress("error allocation", place + 1, len(cases))
     if journey is not None:
         cases = _together(cases)
     there = {sensor.kind for sensor in sensors} | {case.owner for case in cases}
@@ -238,10 +182,10 @@ def allocate(
         not_allocated=missing,
         not_estimated=limited_but_held(there, how, wanted.outputs),
         standings=tuple(
-            (case.owner, standing)
+            standing
             for case in cases
             if feasible and case.s is not None
-            for standing in [_standing(case, imus, comparable, seed=seed)]
+            for standing in [stand(case.found, seed=seed)]
             if standing is not None
         ),
         sources=(
@@ -307,33 +251,34 @@ def allocate(
     )
 
 
-def _standing(
-    case: SensorCase,
-    devices: tuple[Device, ...],
-    catalogue: tuple[Device, ...] | None,
-    *,
+def _set_up(
+    question: Question,
+    unit: Question,
+    bounds: Bounds,
+    market: Mapping[Name, float],
     seed: int,
-) -> Standing | None:
-    """Return the verdict on what is allocated, as every command gives it."""
-    return stand(
-        Case(
-            devices=devices,
-            sensors=case.allocated,
-            procedure=case.procedure,
-            requirement=case.requirement,
-            mission=case.mission,
-            catalogue=catalogue,
-        ),
-        seed=seed,
-    )
+) -> list[SensorCase]:
+    """Return what has limits: the triads, then the unit on a mission.
+
+    What the limits on sensors allow is the most that those on a mission may take.
+    """
+    of_test = question
+    if question.journey is not None:
+        of_test = replace(question, carried_to=None)
+    asked = [
+        of_test.alone(sensor.kind)
+        for sensor in unit.sensors
+        if calibrates(sensor.kind, of_test.procedure)
+    ]
+    asked += [] if unit.journey is None else [unit]
+    found = (set_up(one, bounds, market, seed=seed) for one in asked)
+    return [case for case in found if case is not None]
 
 
 def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:
     """Return the strategy that is meant."""
     if strategy is None:
         return "proportional" if costs is None else "cost"
-    if strategy not in STRATEGIES:
-        raise CallError(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
     if costs is not None and strategy != "cost":
         raise CallError(
             f"costs count for nothing in the strategy {strategy!r}; "
@@ -355,15 +300,15 @@ def _correct(
     law_factor = case.normal_factor
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = case.allocated_problem()
+        found_case = case.found
+        problem, law, held = found_case.problem, found_case.law, found_case.held
+        if held is None:
+            break
         rows = [
             [output.name for output in problem.outputs].index(name)
             for name in task.law.outputs
         ]
-        held = limit_problem(problem, case.requirement)
-        if held is None:
-            break
-        law, every = propagate(problem), held.every_coverage
+        every = held.every_coverage
         coverage = every[rows]
         found = coverage_of(
             problem,
@@ -421,12 +366,10 @@ def _assure(
     """
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = case.allocated_problem()
-        held = limit_problem(problem, case.requirement)
-        if held is None:
+        found = case.found
+        if found.held is None:
             break
-        law = propagate(problem)
-        judged = judge(held, law, seed=seed)
+        judged = judge(found.held, found.law, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
@@ -458,7 +401,7 @@ def _allowed(cases: Sequence[SensorCase]) -> dict[Name, float]:
     return {
         name: float(factor)
         for case in cases
-        if case.mission is None and case.s is not None
+        if case.question.journey is None and case.s is not None
         for name, factor, free in zip(
             case.task.law.sources, case.s, case.task.free, strict=True
         )
@@ -534,7 +477,9 @@ def _warnings(
             )
         if case.by_law is not None:
             texts.append(sentence("allocations.by_trials", sensor=kind))
-        missing = [name for one in case.sensors for name in one.expected_missing]
+        missing = [
+            name for one in case.question.sensors for name in one.expected_missing
+        ]
         if new := [name for name in missing if name not in said]:
             said.update(new)
             texts.append(sentence("allocations.missing", lines=new))

@@ -6,45 +6,38 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from budget.calibration.schemes import refusals, with_accelerometers
+from budget.calibration.schemes import calibrates, refusals
 from budget.errors import CallError
-from budget.inputs import load_calibration, load_devices, load_mission, load_requirement
+from budget.inputs import load_devices, load_requirement
 from budget.inputs.load import several
 from budget.inputs.use import in_use
 from budget.methods.execution import local_executor
-from budget.missing import REFUSE, fill
-from budget.missing.expected import expecting_device, missing_of
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
-from budget.question import (
-    mission_for,
-    needs_test,
+from budget.question import Question, refuse_unjudged
+from budget.results import input_file, named_files
+from budget.sentences import sentence
+from budget.settings import Asked, Engine, Inputs, asking
+from budget.studies.blunders import against_limits
+from budget.studies.cautions import (
+    age_that_counts_not,
     not_calibrated,
     not_estimated,
     not_weighted,
+    of_no_vehicle,
 )
-from budget.results import input_file, named_files
-from budget.sentences import sentence
-from budget.settings import Settings, stage
-from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
-from budget.studies.comparison.candidates import Candidate, missing_lines
-from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
+from budget.studies.comparison.judging import Judging, entrant_of, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
 from budget.studies.comparison.records import (
     Comparison,
-    DeviceVerdict,
     Entrant,
-    UnknownCap,
 )
-from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from concurrent.futures import Executor
 
     from budget.inputs.files import File
     from budget.inputs.records import (
@@ -52,39 +45,22 @@ if TYPE_CHECKING:
         Mission,
         Procedure,
         Requirement,
-        Sensor,
-        Station,
     )
-    from budget.results import Standing
-    from budget.settings import Progress
 
 LEAST_TRIALS = 2
-METHODS = ("gum", "monte-carlo")
-NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
+@asking("compare")
 def compare(
     devices: Device | File | Sequence[Device | File],
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
-    mission: Mission | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    catalogue: Sequence[Device] | None = None,
-    missing: str = REFUSE,
-    method: str = "monte-carlo",
-    trials: int = TRIALS,
-    max_trials: int | None = None,
-    validate: bool = False,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     pairs: bool = False,
     strict: bool = False,
-    seed: int = 0,
-    workers: int = 1,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
 ) -> Comparison:
     """Judge every sensor of every device under every procedure, and rank them.
 
@@ -99,38 +75,12 @@ def compare(
         Limits, coverage and reference.
     procedures : sequence of Procedure
         The paper's, if none is given; where all limits are on a mission, the maker's.
-    mission : Mission, optional
-        What limits on a mission are on; devices of both sensors are ranked by it too.
-    calibration : str, Path, mapping or Procedure, optional
-        What calibrated the unit, in the place of `procedures`: 'none', 'factory' or a
-        procedure.
-    station, age, environment : optional
-        As of `load_procedure`.
-    catalogue : sequence of Device, optional
-        Where lines that are not given are taken from; without it the devices that ship.
-    missing : str
-        What stands for expected lines that are not given (budget.missing):
-        'refuse', 'worst', 'typical' or 'predict'.
-    method : str
-        'monte-carlo' on common random numbers, with the law where that is surer
-        (budget.studies.judgement), or 'gum', the law alone: the fast screen.
-    trials : int
-        Of each device at first; verdicts and ranks that they leave open get more.
-    max_trials : int, optional
-        The most that a device gets; MAX_TRIALS without, or `trials` if that is more.
-    validate : bool
-        By gum: judge as by 'monte-carlo' does, and say where Monte Carlo does not
-        confirm the law (JCGM 101, clause 8).
     pairs : bool
         Whether every gyro is paired with every accelerometer too; the two of one
         device are ranked as an IMU in any case.
     strict : bool
         Refuse devices that a procedure takes beyond their range, which else are named
         and left out.
-    seed, workers, executor
-        As of monte_carlo.sample; workers share out devices.
-    progress : callable, optional
-        Called with what is being done, judgements done and those in all.
 
     Returns
     -------
@@ -144,70 +94,49 @@ def compare(
     """
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
-    mission_for(wanted, journey)
+    journey = inputs.journey
     of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
     shared = replace(wanted, limits=of_both)
     tests = tuple(
-        load_calibration(
-            calibration,
-            one,
-            station=station,
-            age=age,
-            environment=environment,
-            mission=journey,
-            requirement=wanted,
-        )
+        inputs.calibrated(mission=journey, requirement=wanted, by=one)
         for one in several(procedures) or (None,)
     )
     for test in tests:
-        needs_test(wanted, test)
-    most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
-    _check(method, trials=trials, max_trials=most, validate=validate)
+        refuse_unjudged(wanted, journey, test)
+    trials = TRIALS if asked.trials is None else asked.trials
+    most = asked.max_trials or max(trials, MAX_TRIALS)
+    _check(asked, trials=trials, max_trials=most)
     check_names(tests)
-    candidates = [
-        one
-        for test in tests
-        for place, device in enumerate(imus)
-        for on in ((None,) if journey is None else (None, journey))
-        for procedure in [in_use(test, wanted, journey)]
-        for bare in [
-            expecting_device(device, procedure, wanted.reference, every=on is not None)
-        ]
-        for filled in [fill(bare, missing, catalogue)]
-        for given, sensors in _subjects(bare, filled[0], on)
-        if (
-            one := Candidate(
-                device=filled[0],
-                place=place,
-                given=given,
-                sensors=sensors,
-                procedure=procedure,
-                requirement=shared if on is None and len(sensors) > 1 else wanted,
-                mission=on,
-                filling=filled[1],
-                catalogue=None if catalogue is None else tuple(catalogue),
-            )
-        ).is_limited
-    ]
-    candidates = [
-        replace(one, filling=one.filling.of(missing_of(one.given, one.procedure)))
-        for one in candidates
-    ]
-    refused = {
-        id(one): refusals(
-            with_accelerometers(one.sensors, one.procedure), one.procedure
-        )
-        for one in candidates
-    }
-    reasons = tuple(dict.fromkeys(text for some in refused.values() for text in some))
+    candidates, places = [], []
+    for test in tests:
+        how = in_use(test, wanted, journey)
+        for place, device in enumerate(imus):
+            for on in (None, journey)[: 1 if journey is None else 2]:
+                if not _can_be_asked(device, how, on):
+                    continue
+                one = Question.of(
+                    device,
+                    procedure=how,
+                    requirement=wanted,
+                    mission=on,
+                    carried_to=None if on is None else (),
+                    missing=asked.missing,
+                    catalogue=inputs.catalogue,
+                )
+                candidates += [one.alone(owner) for owner in one.limited]
+                places += [place] * len(one.limited)
+    beyond = [refusals(one.there, one.procedure) for one in candidates]
+    reasons = tuple(dict.fromkeys(text for some in beyond for text in some))
     not_compared = _not_compared(imus, wanted, [one.owner for one in candidates])
-    tested = [one for one in candidates if not refused[id(one)]]
+    tested = [k for k, texts in enumerate(beyond) if not texts]
     if reasons and (strict or not tested):
         raise CallError("\n".join(reasons))
-    owners = {one.owner for one in tested}
-    untested = dict.fromkeys(one.owner for one in candidates if one.owner not in owners)
-    candidates = tested
+    every = dict.fromkeys(one.owner for one in candidates)
+    places, candidates = (
+        [places[k] for k in tested],
+        [candidates[k] for k in tested],
+    )
+    untested = [one for one in every if one not in {x.owner for x in candidates}]
     judged = [one for one in candidates if one.has_lines]
     if not candidates:
         raise CallError(
@@ -216,25 +145,28 @@ def compare(
             "limits for what is estimated, or give other devices or procedures"
         )
     judging = Judging(
-        method=method,
+        method=asked.method,
         coverage=wanted.coverage,
-        seed=seed,
+        seed=asked.seed,
         trials=trials,
         max_trials=most,
-        validate=validate,
+        validate=asked.validate,
     )
-    with local_executor(1 if executor is not None else workers) as pool:
+    with local_executor(1 if engine.executor else engine.workers) as pool:
         findings = judge_all(
             judged,
             judging,
-            executor=executor or pool,
-            ahead=2 * workers,
-            progress=stage(progress, "comparison of devices"),
+            executor=engine.executor or pool,
+            ahead=2 * engine.workers,
+            progress=engine.stage("comparison of devices"),
         )
-    verdicts = [
-        _verdict(one, finding) for one, finding in zip(judged, findings, strict=True)
-    ]
-    ranked = rank(verdicts)
+    where = {id(one): place for one, place in zip(candidates, places, strict=True)}
+    ranked = rank(
+        [
+            replace(finding, place=where[id(one)])
+            for one, finding in zip(judged, findings, strict=True)
+        ]
+    )
     return Comparison(
         requirement=wanted.name,
         mission="" if journey is None else journey.name,
@@ -246,14 +178,9 @@ def compare(
             input_file("requirement", wanted),
             *named_files(tests),
         ),
-        settings=Settings(
-            method=method,
-            trials=trials if method == "monte-carlo" or validate else None,
-            seed=seed,
-            coverage=wanted.coverage,
-            interval="symmetric",
-            reference=wanted.reference,
-            missing=missing,
+        settings=replace(
+            asked.settle(wanted),
+            trials=trials if asked.method == "monte-carlo" or asked.validate else None,
             formulas=", ".join(dict.fromkeys(p.formulas for p in tests)),
             normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
@@ -261,7 +188,9 @@ def compare(
         not_compared=not_compared,
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, unjudged(one.case)) for one in candidates if not one.has_lines
+            replace(entrant_of(one, unjudged(one)), place=place)
+            for one, place in zip(candidates, places, strict=True)
+            if not one.has_lines
         ),
         untested=tuple(untested),
         imus=rank_imus(ranked, is_shared=bool(of_both)),
@@ -283,7 +212,7 @@ def compare(
                 sentence("assumed.of", key=device.name, text=text)
                 for device in (
                     *imus,
-                    *(one.device for one in candidates if one.filling.lines),
+                    *(one.devices[0] for one in candidates if one.filled.lines),
                 )
                 for text in (
                     *device.assumptions,
@@ -314,25 +243,18 @@ def compare(
     )
 
 
-def _subjects(
-    given: Device, filled: Device, mission: Mission | None
-) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...]]]:
-    """Yield what is judged of a device: each triad and both, or both on a mission.
-
-    As the file gives them, and with what stands for lines that are not given.
-    """
-    if mission is None:
-        for one, sensor in zip(given.sensors, filled.sensors, strict=True):
-            yield (one,), (sensor,)
-    if len(filled.sensors) == len(SENSORS):
-        yield given.sensors, filled.sensors
+def _can_be_asked(
+    device: Device, procedure: Procedure, mission: Mission | None
+) -> bool:
+    """Whether anything of a device is calibrated, or both triads are on the mission."""
+    if mission is not None:
+        return len(device.sensors) == len(SENSORS)
+    return any(calibrates(sensor.kind, procedure) for sensor in device.sensors)
 
 
-def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
-    """Refuse options that mean nothing, or nothing together."""
-    if method not in METHODS:
-        raise CallError(f"method is {method!r}, allowed: {', '.join(METHODS)}")
-    if validate and method != "gum":
+def _check(asked: Asked, *, trials: int, max_trials: int) -> None:
+    """Refuse options that mean nothing together."""
+    if asked.validate and asked.method != "gum":
         raise CallError(
             "--validate checks the law of propagation, which --method monte-carlo "
             "does not use; leave it out, or take --method gum"
@@ -355,69 +277,11 @@ def check_names(procedures: Sequence[Procedure]) -> None:
         )
 
 
-def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
-    """Turn a finding into the verdict on one sensor of one device."""
-    judged = finding.judged
-    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
-    advice = ""
-    # Trials make no difference to what missing lines leave open.
-    if finding.doubt is None and judged.trials is None and (is_near or judged.is_open):
-        advice = sentence("comparisons.advice", is_near=is_near)
-    return DeviceVerdict(
-        **vars(_entrant(one, finding.standing)),
-        utilisation=judged.utilisation,
-        utilisation_interval=judged.utilisation_interval,
-        worst_output=finding.worst,
-        worst_outputs=finding.all_worst,
-        conformance=judged.conformance,
-        outputs=finding.outputs,
-        remedy=finding.remedy,
-        trials=judged.trials,
-        advice=advice,
-        judged=judged,
-        closer=finding.closer,
-        doubt=finding.doubt,
-        readings=finding.readings,
-    )
-
-
-def _entrant(one: Candidate, standing: Standing) -> Entrant:
-    """Return what is said of every candidate, whether it can be judged or not."""
-    device, caps = one.device, one.requirement.caps
-    return Entrant(
-        name=device.name,
-        place=one.place,
-        sensor=one.owner,
-        procedure=one.procedure.name,
-        file=device.origin.file,
-        technology=device.technology,
-        vendor=device.vendor,
-        not_given=tuple(name for one in one.sensors for name in one.not_given),
-        missing=missing_lines(one, standing),
-        standing=standing,
-        price=device.price,
-        mass=device.mass,
-        power=device.power,
-        over_caps=tuple(
-            text
-            for merit, cap in caps
-            if merit in MERITS
-            and (text := over_cap(merit, getattr(device, merit), cap))
-        ),
-        unknown_caps=tuple(
-            UnknownCap(merit=merit, cap=cap, text=text)
-            for merit, cap in caps
-            if merit in MERITS
-            and not is_known(merit, text := getattr(device, merit), cap)
-        ),
-    )
-
-
 def _warnings(
     devices: Sequence[Device],
     requirement: Requirement,
-    candidates: Sequence[Candidate],
-    findings: Sequence[JudgedCandidate],
+    candidates: Sequence[Question],
+    findings: Sequence[Entrant],
     not_compared: Sequence[str],
 ) -> tuple[str, ...]:
     """Name what a reader could misread."""
@@ -436,7 +300,7 @@ def _warnings(
     doubts: dict[str, dict[str, None]] = {}
     for one, finding in zip(candidates, findings, strict=True):
         if finding.doubtful:
-            own = doubts.setdefault(one.device.name, {})
+            own = doubts.setdefault(one.devices[0].name, {})
             own |= dict.fromkeys(finding.doubtful)
     return (
         *([sentence("comparisons.same_name", names=sorted(twice))] if twice else []),

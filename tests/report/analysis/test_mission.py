@@ -43,14 +43,13 @@ from budget.report.device_file import MARK
 from budget.report.figures.growth import (
     PLANE,
     ErrorGrowth,
-    draw_growth,
     growth_pictures,
+    growth_plot,
     times_apart,
 )
 from budget.report.mission import by_time, contributions
 from budget.report.tables import unit_for
-from budget.settings import Settings
-from budget.studies.analysis import analyze_as
+from budget.studies.analysis import analyze
 from budget.studies.mission import curve, drawn_times
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
@@ -71,13 +70,13 @@ LIMITS = {
 @cache
 def carried(*, limited=False):
     """Return the budget of an outage, with a limit or without."""
-    return analyze_as(
-        Settings(reference="next_turn_on", validate=False),
-        load_device("zhao-2019"),
+    return analyze(
+        "zhao-2019",
+        validate=False,
         procedure=load_procedure(None),
         requirement=load_requirement(LIMITS) if limited else None,
-        mission=load_mission("outage-60-s"),
-        carried_to=(10.0, 60.0),
+        mission="outage-60-s",
+        at=(10.0, 60.0),
         command="mission",
     )
 
@@ -129,9 +128,9 @@ def test_the_figure_says_its_finding_and_its_numbers():
     (first,) = growth_pictures(grown())
     assert_says(first.title, "1.2 m CEP after 1 min", "of the variance")
     assert_says(first.alt, "R95", "accelerometer bias repeatability", "all others")
-    assert_says(first.alt, "of the variance at first")
-    assert {"line-cep", "line-r95", "area-0"} <= set(first.tips)
-    for name in ("mission-growth-line-cep", "mission-growth-area-0"):
+    assert_says(first.alt, "shares of its variance", "all others [%]")
+    assert {f"curve-{k}" for k in range(1, 4)} <= set(first.tips)
+    for name in ("mission-growth-curve-2", "mission-growth-curve-3"):
         assert f'id="{name}"' in first.svg
     assert len(first.data.groups[0].rows) == len(grown().times)
 
@@ -157,7 +156,7 @@ def test_each_limited_error_has_a_figure_with_its_limits():
 @pytest.mark.parametrize("error", ERRORS)
 def test_texts_of_the_figure_of_a_mission_stand_apart(error):
     """None is cut, and no name lies on another one."""
-    figure = draw_growth(ErrorGrowth.of(grown(), error))
+    figure = growth_plot(ErrorGrowth.of(grown(), error)).figure
     assert cut_texts(figure) == []
     assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 
@@ -244,7 +243,7 @@ def test_a_report_judges_mission_and_calibration_together(tmp_path):
     text = page.read_text(encoding="utf-8")
     assert_says(text, f"{far['cep']:.2g} m CEP")
     assert_says(text, "Mission: outage of 60 s")
-    assert 'id="mission-growth-line-cep"' in text
+    assert 'id="mission-growth-curve-2"' in text
 
 
 def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
@@ -390,12 +389,11 @@ AIDED = TESTS / "data" / "aided"
 def aided(unit, name):
     """Return the budget of one of the missions with aids, and how its errors grow."""
     mission = load_mission(AIDED / f"{name}.yaml")
-    found = analyze_as(
-        Settings(reference="next_turn_on", validate=False),
-        load_device(AIDED / f"{unit}.yaml"),
+    found = analyze(
+        AIDED / f"{unit}.yaml",
+        validate=False,
         procedure=uncalibrated("factory"),
         mission=mission,
-        carried_to=mission.at,
         command="mission",
     )
     return found, curve(found.question, drawn_times(mission, mission.at))
@@ -468,13 +466,12 @@ OUTAGE = {
 def bare(*, limited=False):
     """Return the budget of a sheet that lacks much on a mission that states little."""
     mission = load_mission(OUTAGE)
-    return analyze_as(
-        Settings(reference="next_turn_on", validate=False),
+    return analyze(
         load_device(SHEET),
+        validate=False,
         procedure=uncalibrated("factory"),
         requirement=load_requirement(LIMITS) if limited else None,
         mission=mission,
-        carried_to=mission.at,
         command="mission",
     )
 

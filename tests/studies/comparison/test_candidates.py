@@ -26,14 +26,14 @@ from budget.errors import CallError
 from budget.inputs.records import Requirement
 from budget.methods.gum import propagate
 from budget.missing.grades import completeness, grade, kind_of_device
-from budget.studies.comparison.candidates import find_remedy
+from budget.question import Question
 from budget.studies.figures_of_merit import (
     Amount,
     front,
     over_cap,
     read_amount,
 )
-from budget.studies.judgement import limit_problem, screen
+from budget.studies.judgement import find_remedy, screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 # What limits it, and what is missing
@@ -42,8 +42,8 @@ from budget.units import DEG_PER_HOUR, MICRO_G
 def test_remedy_brings_the_worst_output_to_its_limit():
     """With the factor on the limiting source alone, the law's utilisation is 1."""
     bad = paper_device(times=3.0)
-    one = limit_problem(calibration_problem((bad.gyro,), procedure()), requirement())
-    law = propagate(one.problem)
+    asked = Question.of(bad, procedure=procedure(), requirement=requirement())
+    one, law = asked.held, asked.law
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
     judged = screen(one, law, seed=0)
     worst = judged.worst
@@ -100,7 +100,7 @@ def test_missing_line_is_bounded_by_the_catalogue():
     )
     bound = found.devices[0].missing
 
-    (condition,) = found.devices[0].standing.conditions
+    (condition,) = found.devices[0].conditions
     assert condition.line == "gyro.bias_repeatability"
     assert_allclose(condition.ceiling, 0.2 * DEG_PER_HOUR, rtol=1e-12)
     assert bound.utilisation > found.devices[0].utilisation
@@ -113,7 +113,7 @@ def test_missing_line_that_nobody_has_is_not_bounded():
     bare = paper_device(missing=("bias_repeatability",))
     found = compared([bare], catalogue=[], method="gum")
 
-    (condition,) = found.devices[0].standing.conditions
+    (condition,) = found.devices[0].conditions
     assert (found.devices[0].verdict, condition.decides) == ("undecidable", True)
     assert found.devices[0].missing.utilisation is None
     assert found.devices[0].missing.verdict == ""
