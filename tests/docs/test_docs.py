@@ -82,6 +82,7 @@ def test_the_example_of_decision_rules_runs_as_printed():
     assert names["one"].is_accepted
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawn_once")
 def test_the_library_example_runs_as_printed(capsys, tmp_path, monkeypatch):
     """The Python of docs/results.md runs on and gives a verdict for each sensor."""
@@ -134,6 +135,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_console_examples_run(folder):
     """Every line of the page is exit code 0, in the order of the page."""
     first, *lines = [line for block in blocks("console") for line in block.splitlines()]
@@ -244,6 +246,7 @@ def test_links_between_pages_lead_somewhere():
         assert [link for link in links if not (DOCS / link).exists()] == [], page.name
 
 
+@pytest.mark.slow
 def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     """Each command does what is shown of it; the report's own tests write the pages."""
     monkeypatch.chdir(tmp_path)
@@ -252,6 +255,7 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     assert runs_to_the_letter(TUTORIAL) >= 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["verdicts.md", "aided.md"])
 def test_worked_sheets_run_to_the_letter(name, tmp_path, monkeypatch):
     """Each file under its name, each command with what is shown of it."""

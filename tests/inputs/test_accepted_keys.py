@@ -50,7 +50,7 @@ WARM = replace(
         line("age", [3e7]),
     ),
 )
-pytestmark = pytest.mark.usefixtures("nothing_is_missing")
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("nothing_is_missing")]
 MARK = "Quagga"  # a word that stands in no file and no message
 
 
