@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from budget.inputs.fields import Group, Measured, Rule, Ruled, Sign, faults
+from budget.inputs.fields import FieldGroup, Measured, Rule, Ruled, Sign, faults
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
 from budget.units import Quantity
@@ -209,7 +209,7 @@ class WindowLine(Ruled):
         return f"turn {self.turns:+d} {self.turn} at {text}"
 
 
-class WindowItem(Group, WindowLine):
+class WindowItem(FieldGroup, WindowLine):
     """A line, or a group of lines that is repeated as a whole."""
 
     key: ClassVar = "windows"
