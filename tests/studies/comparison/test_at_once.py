@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import pickle
-from concurrent.futures import Executor, Future
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from comparison_examples import Elsewhere
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
@@ -108,22 +107,6 @@ def test_predictions_made_at_once_are_those_of_each_alone():
     assert together == alone
     assert sum(one is not None for one in alone) > len(devices) / 2
     assert len(_others(tuple(catalogue())).kept) <= KEPT
-
-
-def sent(value):
-    """Return what arrives at another process."""
-    return pickle.loads(pickle.dumps(value))  # noqa: S301 - our own
-
-
-class Elsewhere(Executor):
-    """A worker in this process, to which all is sent as to another one."""
-
-    def submit(self, work, /, *tasks):
-        """Do what has arrived, and send back what it returns."""
-        future = Future()
-        work, tasks = sent((work, tasks))
-        future.set_result(sent(work(*tasks)))
-        return future
 
 
 @pytest.mark.parametrize("wanted", ["catalogue-edge"])
