@@ -87,7 +87,7 @@ def test_verdict_is_that_of_the_mission_itself(name, limit):
     assert (row.verdict, row.utilisation) == (found.verdict, found.utilisation)
     assert row.utilisation_interval == found.utilisation_interval
     assert row.worst_output == found.worst_output
-    assert row.remedy.source == found.limiting_source
+    assert row.remedy.source == found.remedy.source
     assert row.conformance == found.conformance
 
 
@@ -105,8 +105,8 @@ def test_missing_lines_leave_what_would_meet_undecidable():
 
     verdicts = (free.verdict, open_one.verdict, failed.verdict)
     assert verdicts == ("meets_if", "undecidable", "fails")
-    assert free.standing.at_ceilings < 1.0 < open_one.standing.at_ceilings
-    assert open_one.lower_bound
+    assert free.at_ceilings < 1.0 < open_one.at_ceilings
+    assert open_one.utilisation.is_bound
     assert {name.owner for name in open_one.missing.lines} == {*BOTH}
 
 
