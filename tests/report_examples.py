@@ -521,8 +521,6 @@ def make_coupling(sizes=None):
     sources = list(dict.fromkeys(s for s, _ in sizes))
     groups = [parameter for parameter, _, _ in GYRO]
     return CouplingTable(
-        method="gum",
-        formulas="corrected",
         # In another order than the figures have them.
         sources=tuple(Name(name, owner="gyro") for name in reversed(sources)),
         groups=tuple(Name(name, owner="gyro") for name in groups),

@@ -64,7 +64,7 @@ from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
-from budget.studies.coupling import coupling_by_law
+from budget.studies.coupling import coupling
 from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
@@ -580,10 +580,7 @@ class Plots:
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
         sensor = self._sensor(sensor)
-        question = question_of(self.budget)
-        table = coupling_by_law(
-            question.problem, question.law, question.procedure.formulas
-        )
+        table = coupling(question_of(self.budget))
         return _drawn(coupling_chart(table, sensor), f"no source affects the {sensor}")
 
     @_headed

@@ -7,28 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
-from budget.calibration.simulation import simulate
 from budget.documents import written
-from budget.methods.gum import propagate
-from budget.methods.monte_carlo import sample
 from budget.model.sources import SENSORS, source_of
 from budget.names import IMU
 
 if TYPE_CHECKING:
-    from budget.arrays import Array
-    from budget.inputs.records import Procedure, Sensor
-    from budget.methods.gum import Propagation
     from budget.names import Name
-    from budget.problem import Problem
-
-METHODS = ("gum", "monte-carlo", "simulation")
-TRIALS = 4096  # of Monte Carlo for each source: one block
-RUNS = 4  # of the simulation for each source: enough to tell a spread from none
-
-# The simulation subtracts pulses and divides them again, which costs two digits of
-# those that the closed forms keep.
-PULSE_ROUNDING = 100.0  # [1]
+    from budget.question import Question
 
 
 @written(
@@ -66,8 +51,6 @@ class Coupling:
 class CouplingTable:
     """All sources of some sensors against their own groups of parameters."""
 
-    method: str
-    formulas: str
     sources: tuple[Name, ...]
     groups: tuple[Name, ...]
     cells: tuple[Coupling, ...]  # a sensor's sources reach its own groups only
@@ -80,71 +63,16 @@ class CouplingTable:
         raise KeyError(f"{source}, {group}")
 
 
-def coupling(
-    sensors: tuple[Sensor, ...],
-    procedure: Procedure,
-    *,
-    method: str = "gum",
-    reference: str = "nominal",
-) -> CouplingTable:
-    """Find which source reaches which parameters, one source at a time.
+def coupling(question: Question) -> CouplingTable:
+    """Find which source alone reaches which parameters, by the law of propagation.
 
     Zhao 2019, sections 2 and 4. Products of two sources are no source: asymmetry, for
     one, reaches a scale factor only as a product with the bias, so that it counts here
-    for a nominal bias and not for a nominal bias of zero. The method is 'gum',
-    'monte-carlo' (4096 trials a source) or 'simulation' (4 runs a source).
+    for a nominal bias and not for a nominal bias of zero.
     """
-    problem = calibration_problem(sensors, procedure, reference=reference)
-    if method == "gum":
-        return coupling_by_law(problem, propagate(problem), procedure.formulas)
-    u = np.stack(
-        [
-            _draw_alone(
-                sensors, procedure, group.name, method=method, reference=reference
-            )
-            for group in problem.groups
-        ]
-    )
-    return _tabulate(problem, u, method=method, formulas=procedure.formulas)
-
-
-def coupling_by_law(problem: Problem, law: Propagation, formulas: str) -> CouplingTable:
-    """Return the coupling table of a calibration whose law is there already."""
-    u = np.sqrt(law.source_variance)
-    return _tabulate(problem, u, method="gum", formulas=formulas)
-
-
-def _draw_alone(
-    sensors: tuple[Sensor, ...],
-    procedure: Procedure,
-    source: str,
-    *,
-    method: str,
-    reference: str,
-) -> Array:
-    """Return the spread of all outputs from one source alone, shape (n_out,) [SI]."""
-    only = frozenset({source})
-    if method == "monte-carlo":
-        problem = calibration_problem(
-            sensors, procedure, reference=reference, only=only
-        )
-        return sample(problem, trials=TRIALS).standard_uncertainty
-    runs = [
-        simulate(sensors, procedure, run=run, reference=reference, only=only)
-        for run in range(RUNS)
-    ]
-    return np.asarray(np.std(runs, axis=0, ddof=1))
-
-
-def _tabulate(
-    problem: Problem, u: Array, *, method: str, formulas: str
-) -> CouplingTable:
-    """Gather spreads, shape (n_sources, n_out), by groups of outputs."""
+    problem, u = question.problem, np.sqrt(question.law.source_variance)
     names = [output.name.group for output in problem.outputs]
-    zero = np.array([output.resolution for output in problem.outputs])
-    if method == "simulation":
-        zero = zero * PULSE_ROUNDING
-    u = np.where(u > zero, u, 0.0)
+    u = np.where(u > [output.resolution for output in problem.outputs], u, 0.0)
     total = np.sqrt((u**2).sum(axis=0))
     part = u / np.where(total > 0.0, total, np.inf)
     sources = tuple(group.name for group in problem.groups)
@@ -165,10 +93,4 @@ def _tabulate(
                     reaches=largest > 0.0,
                 )
             )
-    return CouplingTable(
-        method=method,
-        formulas=formulas,
-        sources=sources,
-        groups=groups,
-        cells=tuple(cells),
-    )
+    return CouplingTable(sources=sources, groups=groups, cells=tuple(cells))

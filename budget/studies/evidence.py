@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from budget.studies.cautions import unfelt
-from budget.studies.coupling import coupling_by_law
+from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
 from budget.studies.what_if import what_if
 
@@ -44,11 +44,7 @@ def gather_evidence(
     In `full` all; else distributions only where the law is not confirmed.
     """
     return Evidence(
-        coupling=coupling_by_law(
-            question.problem, question.law, question.procedure.formulas
-        )
-        if full
-        else None,
+        coupling=coupling(question) if full else None,
         densities=critical_densities(question, budget, assessment)
         if full or in_doubt(budget)
         else (),

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from builders import asked
 from document_text import on_terminal
 from keeping import catalogue
 from places import DOCS
@@ -61,7 +62,7 @@ def test_a_missing_line_reaches_what_it_reaches_when_given(kind, reference, form
     """
     procedure = replace(load_procedure(), formulas=formulas)
     sensor = getattr(ZHAO, kind)
-    table = coupling((sensor,), procedure, reference=reference)
+    table = coupling(asked(sensor, procedure=procedure, reference=reference))
     for line in sensor.lines:
         bare = getattr(without(line.name, kind=kind), kind)
         found = lacking((bare,), procedure, reference=reference)

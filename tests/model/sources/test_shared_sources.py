@@ -105,7 +105,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
     budget = analyze(ZHAO, procedure=procedure, validate=False)
     groups = group_tables(budget)
     biases = [group for group in groups if group.parameter == "bias"]
-    table = coupling(ZHAO.sensors, procedure)
+    table = coupling(budget.question)
 
     assert [group.sensor for group in biases] == ["gyro", "accelerometer"]
     for group in biases:
