@@ -14,7 +14,7 @@ from budget.model.rotation import RotationScheme
 from budget.names import AXES, by_group, parameters_of
 from budget.question import sensors_of
 from budget.report.pages import sections
-from budget.report.wording import error_reference
+from budget.report.standing import error_reference
 
 if TYPE_CHECKING:
     from collections.abc import Collection
