@@ -39,8 +39,8 @@ from budget.results import (
     Validation,
 )
 from budget.settings import Settings
-from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density
+from budget.studies.evidence import Coupling, CouplingTable
 from budget.ties import largest
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
 

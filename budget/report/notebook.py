@@ -64,10 +64,9 @@ from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
-from budget.studies.coupling import coupling
 from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
-from budget.studies.evidence import gather_evidence
+from budget.studies.evidence import coupling, gather_evidence
 from budget.studies.export.study import Export
 from budget.studies.mission import Curve, curve, drawn_times
 from budget.studies.stations import Qualification

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -11,16 +12,15 @@ import numpy as np
 
 from budget.errors import CallError
 from budget.inputs import (
-    load_calibration,
     load_device,
-    load_mission,
-    load_requirement,
 )
 from budget.inputs.changes import read_change
 from budget.inputs.load import several
 from budget.names import with_parts
+from budget.question import Question
 from budget.results import TIME_COLUMN
-from budget.studies.analysis import analyze
+from budget.settings import Settings
+from budget.studies.analysis import analyze_as
 from budget.units import NUMBER
 
 if TYPE_CHECKING:
@@ -101,17 +101,21 @@ def sweep(
     from budget.studies.frame import Frame
 
     start = load_device(device)
-    wanted = None if requirement is None else load_requirement(requirement)
-    route = None if mission is None else load_mission(mission)
-    how = load_calibration(
-        calibration,
-        procedure,
+    whole = Question.load(
+        start,
+        procedure=procedure,
+        calibration=calibration,
         station=station,
         age=age,
         environment=environment,
-        mission=route,
-        requirement=wanted,
+        requirement=requirement,
+        mission=mission,
+        at=at,
+        coverage=coverage,
+        reference=reference,
+        outputs=() if mission else outputs,
     )
+    settings = Settings(validate=validate, seed=seed)
     listed = () if isinstance(values, str) else several(values)
     given = tuple(_as_printed(value, line, unit) for value in listed)
     if not given:
@@ -123,19 +127,8 @@ def sweep(
     address = read_change(f"{line}=0").address
     rows: list[dict[str, Any]] = []
     for value, one in zip(given, changed, strict=True):
-        budget = analyze(
-            one,
-            procedure=how,
-            requirement=wanted,
-            mission=route,
-            at=at,
-            coverage=coverage,
-            reference=reference,
-            outputs=() if route else outputs,
-            validate=validate,
-            seed=seed,
-            command="sweep",
-        )
+        question = replace(whole, devices=(one,))
+        budget = analyze_as(settings, question, command="sweep")
         asked = _asked(budget, outputs)
         rows += ({**_split(value), **row} for row in _rows(budget, address, asked))
     return Frame(rows)

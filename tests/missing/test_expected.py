@@ -31,8 +31,8 @@ from budget.report.tables import AT_LEAST, group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
-from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
+from budget.studies.evidence import coupling
 from budget.studies.verdicts import MEETS, MEETS_IF
 from budget.studies.what_if import one_at_a_time, what_if
 

@@ -21,7 +21,7 @@ from budget.report.inputs import inputs_section, procedure_section
 from budget.report.tables import group_tables, print_share
 from budget.studies.analysis import analyze
 from budget.studies.cautions import unfelt
-from budget.studies.coupling import coupling
+from budget.studies.evidence import coupling
 
 PLAIN = """name: plain
 accelerometer:

@@ -42,7 +42,7 @@ from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.studies.analysis import analyze
-from budget.studies.coupling import coupling
+from budget.studies.evidence import coupling
 
 
 @cache

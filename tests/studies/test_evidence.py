@@ -12,7 +12,7 @@ from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.sources import source_of
-from budget.studies.coupling import coupling
+from budget.studies.evidence import coupling
 
 GYRO = paper_gyro(scale_factor_nonlinearity=30e-6, scale_factor_asymmetry=1250e-6)
 ACCELEROMETER = paper_accelerometer(scale_factor_nonlinearity=30e-6)
