@@ -19,7 +19,7 @@ from budget.inputs.load import several
 from budget.names import with_parts
 from budget.question import Question
 from budget.results import TIME_COLUMN
-from budget.settings import Settings
+from budget.settings import Asked, Inputs, asking
 from budget.studies.analysis import analyze_as
 from budget.units import NUMBER
 
@@ -29,32 +29,22 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
+    from budget.inputs.records import Device
     from budget.names import Name
     from budget.results import Budget
 
 QUANTITY = re.compile(rf"({NUMBER})\s*([^\s\d].*)")
 
 
+@asking("sweep")
 def sweep(
     device: Device | File,
     line: str,
     values: Iterable[object],
     *,
     unit: str = "",
-    procedure: Procedure | File | None = None,
-    requirement: Requirement | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    mission: Mission | File | None = None,
-    at: Sequence[float | str] = (),
-    coverage: float | None = None,
-    reference: str | None = None,
-    outputs: Sequence[str] = (),
-    validate: bool = False,
-    seed: int = 0,
+    inputs: Inputs,
+    asked: Asked,
 ) -> pd.DataFrame:
     """Compute the budget for each of several values of a line.
 
@@ -69,17 +59,6 @@ def sweep(
         a range, an array of shape (n,), or (n, 3) axis by axis [unit].
     unit : str
         Of the numbers, 'deg/h'.
-    procedure, requirement, seed
-        As of `analyze`.
-    outputs : sequence of str
-        As of `analyze`; of a mission names as `budget[...]` takes them, or what
-        several of them begin or end with: 'mission.position.horizontal'.
-    calibration, station, age, environment, mission, at
-        As of `analyze`.
-    coverage, reference
-        As of `analyze`; with a requirement those that it asks for.
-    validate : bool
-        Whether Monte Carlo checks the law, for every value.
 
     Returns
     -------
@@ -101,36 +80,24 @@ def sweep(
     from budget.studies.frame import Frame
 
     start = load_device(device)
-    whole = Question.load(
-        start,
-        procedure=procedure,
-        calibration=calibration,
-        station=station,
-        age=age,
-        environment=environment,
-        requirement=requirement,
-        mission=mission,
-        at=at,
-        coverage=coverage,
-        reference=reference,
-        outputs=() if mission else outputs,
-    )
-    settings = Settings(validate=validate, seed=seed)
+    outputs = asked.outputs
+    asked = replace(asked, outputs=() if inputs.mission else outputs)
+    whole = Question.load(start, inputs=inputs, asked=asked)
     listed = () if isinstance(values, str) else several(values)
-    given = tuple(_as_printed(value, line, unit) for value in listed)
-    if not given:
+    printed = tuple(_as_printed(value, line, unit) for value in listed)
+    if not printed:
         raise CallError(
             f"{line}: expected a list of values to compute the budget for, as "
             "['0.01 deg/h', '0.02 deg/h'], or numbers with unit='deg/h'"
         )
-    changed = [start.replace({line: value}) for value in given]  # refused at once
+    changed = [start.replace({line: value}) for value in printed]  # refused at once
     address = read_change(f"{line}=0").address
     rows: list[dict[str, Any]] = []
-    for value, one in zip(given, changed, strict=True):
+    for value, one in zip(printed, changed, strict=True):
         question = replace(whole, devices=(one,))
-        budget = analyze_as(settings, question, command="sweep")
-        asked = _asked(budget, outputs)
-        rows += ({**_split(value), **row} for row in _rows(budget, address, asked))
+        budget = analyze_as(asked.settle(), question, command="sweep")
+        chosen = _asked(budget, outputs)
+        rows += ({**_split(value), **row} for row in _rows(budget, address, chosen))
     return Frame(rows)
 
 

@@ -6,6 +6,7 @@ inputs, the simulation its samples, results what is expected, figures their colo
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
@@ -528,11 +529,13 @@ WHITE = tuple(one.name for one in SOURCES if one.expected == "noise")
 SAMPLE_NOISE = next(one.name for one in SOURCES if isinstance(one.effect, SampleNoise))
 
 
+@cache
 def lines_of(owner: str) -> tuple[Source, ...]:
     """Return the sources that an owner can have, in their order."""
     return tuple(source for source in SOURCES if source.like(owner))
 
 
+@cache
 def source_of(owner: str, name: str) -> Source:
     """Return the source of that name.
 

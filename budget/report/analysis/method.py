@@ -15,6 +15,7 @@ from budget.names import AXES, by_group, parameters_of
 from budget.question import sensors_of
 from budget.report.pages import sections
 from budget.report.standing import error_reference
+from budget.settings import further
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -53,6 +54,7 @@ def method_section(
         trials=trials,
         of_verdict=of_verdict,
         error_reference=error_reference,
+        further=further(settings),
         by_group=by_group,
         weights=[_weights(scheme_of(one.kind, procedure, one)) for one in weighed],
         lines={  # of other forms the formulas are not these
