@@ -956,30 +956,45 @@ def _value_type(
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, text]
     of_axis = family.of_axis or family
-    says = "what the value may mean, where the maker leaves it open: all are computed"
-    reading = {"reading": (tuple[Literal[readings], ...], Field((), description=says))}  # type: ignore[valid-type]
     one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
-    by_axis = mapping_of(
-        f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, or_text(measured)])
+    one_axis = Annotated[one_axis, or_text(measured)]  # type: ignore[assignment]
+    by_axis = mapping_of(f"{title}, by axis", dict.fromkeys(axes, one_axis))
+    earlier: Any = None
+    open_word: Any = Literal[readings or ("",)]
+    line: Any = Literal[beside]
+    if issubclass(family, AgeingValue):
+        name = f"{title}, earlier"
+        earlier = create_model(name, __base__=Earlier, value=(value, ...))
+    every = (
+        (
+            readings,
+            "reading",
+            tuple[open_word, ...],
+            (),
+            "what the value may mean, where the maker leaves it open: all are computed",
+        ),
+        (True, "value", value | None, None, None),
+        (True, "axes", by_axis | None, None, None),
+        (
+            beside,
+            "adds_to",
+            line | None,
+            None,
+            f"what is no part of {beside}, given as well",
+        ),
+        (
+            earlier,
+            "earlier",
+            tuple[earlier, ...],
+            (),
+            "what is printed for shorter horizons, of all axes",
+        ),
     )
     fields: dict[str, Any] = {
-        **(reading if readings else {}),
-        "value": (value | None, None),
-        "axes": (by_axis | None, None),
+        key: (kind, Field(usual, description=says) if says else usual)
+        for is_there, key, kind, usual, says in every
+        if is_there
     }
-    if beside:
-        says = f"what is no part of {beside}, given as well"
-        word = Literal[beside]  # type: ignore[valid-type]
-        fields["adds_to"] = (word | None, Field(default=None, description=says))
-    if issubclass(family, AgeingValue):
-        earlier = create_model(
-            f"{title}, earlier", __base__=Earlier, value=(value, ...)
-        )
-        says = "what is printed for shorter horizons, of all axes"
-        fields["earlier"] = (
-            tuple[earlier, ...],  # type: ignore[valid-type]
-            Field(default=(), description=says),
-        )
     base = Open if readings else Whole
     whole = create_model(title, __base__=(family, base), **fields)
     return Annotated[whole, text]
