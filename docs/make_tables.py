@@ -9,7 +9,7 @@ from typing import Any
 
 import budget
 from budget.cli import app
-from budget.cli.options import Output
+from budget.cli.options import OutputFiles
 from budget.inputs.makers import READINGS
 from budget.report.schema import results_schema
 from budget.settings import CLI, Asked, Engine, Inputs, rows
@@ -80,7 +80,7 @@ def options() -> list[str]:
     found: dict[str, list[str]] = {}
     for command in app.registered_commands:
         name = command.callback.__name__ if command.callback else ""
-        for kind in (Inputs, Asked, Engine, Output):
+        for kind in (Inputs, Asked, Engine, OutputFiles):
             for row in rows(kind, name, CLI).values():
                 found.setdefault(row.flag, []).append(name)
     return [
