@@ -805,7 +805,8 @@ def test_what_does_not_go_together_is_said_at_once(tmp_path):
     path = tmp_path / "d.yaml"
     path.write_text(
         "name: d\ngyro:\n  errors:\n    bias_stability: {value: 0 deg/h, "
-        "meaning: exact, correlation_time: 300 s}\n    angle_random_walk: {value: 1 deg/sqrt(h), "
+        "meaning: exact, correlation_time: 300 s}\n    angle_random_walk: "
+        "{value: 1 deg/sqrt(h), "
         "density: one-sided, meaning: exact}\n",
         encoding="utf-8",
     )
