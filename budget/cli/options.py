@@ -185,7 +185,7 @@ _PAGES = "mission report compare decide allocate station check paper"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Output:
+class OutputFiles:
     """Where results go, as what, and what the exit code says."""
 
     exit_code: bool = setting(
@@ -440,7 +440,7 @@ def accepted(accept: str) -> tuple[str, ...]:
     return VERDICTS[: VERDICTS.index(accept) + 1]
 
 
-def check_exit_code(requirement: object, out: Output) -> None:
+def check_exit_code(requirement: object, out: OutputFiles) -> None:
     """Refuse options on the exit code where nothing sets it.
 
     Raises
@@ -462,7 +462,7 @@ def check_exit_code(requirement: object, out: Output) -> None:
         )
 
 
-def exit_by(assessment: Assessment | None, out: Output) -> None:
+def exit_by(assessment: Assessment | None, out: OutputFiles) -> None:
     """End with 1 where a requirement is not met, if the code is to say so.
 
     One with limits that were not judged is not met: the headline names them.
