@@ -165,6 +165,4 @@ def test_every_option_of_a_row_is_in_the_help():
     for name in sorted(jobs & names):
         shown = call(name, "--help").out
         for kind in (Asked, Inputs, OutputFiles):
-            for key, row in rows(kind, name, CLI).items():
-                no = "no-" if row.default is True else ""
-                assert (row.option or f"--{no}{key.replace('_', '-')}") in shown
+            assert all(row.flag in shown for row in rows(kind, name, CLI).values())
