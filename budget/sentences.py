@@ -77,6 +77,11 @@ def sentence(place: str, /, **parts: object) -> Sentence:
     return Sentence(place, parts) if parts else _alone(place)
 
 
+def described(text: str) -> str:
+    """Return what a source says: one of our sentences, or a text from outside."""
+    return sentence(text) if text.startswith("sources.") else text
+
+
 @cache
 def _alone(place: str) -> Sentence:
     """Return a sentence without values, which a catalogue has a thousand times."""

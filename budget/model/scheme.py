@@ -31,7 +31,7 @@ from budget.model.response import (
     tilt,
     tilt_transposed,
 )
-from budget.model.windows import Timing
+from budget.model.windows import EXACT, Timing
 from budget.names import AXES, parameters_of
 
 if TYPE_CHECKING:
@@ -158,6 +158,18 @@ class Scheme:
     def force(self) -> Array:
         """Mean specific force in body axes, shape (n, 3) [m/s^2]."""
         return self.schedule.to_body @ self.gravity
+
+    @cached_property
+    def forces(self) -> Array:
+        """Specific force in body axes within each window, shape (n, p, 3) [m/s^2].
+
+        Of a part of a turn its mean.
+        """
+        found = self.schedule.spread(self.gravity)
+        turns = np.linalg.norm(self.schedule.turned, axis=1) / (2.0 * np.pi)
+        is_part = np.abs(turns - np.round(turns)) > EXACT
+        found[is_part] = self.force[is_part, None]
+        return found
 
     @cached_property
     def powers(self) -> Array:

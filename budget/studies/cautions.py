@@ -17,7 +17,7 @@ from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
 from budget.names import Name
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
             for name, what in removed.items()
         ),
         *(
-            Unfelt(source=name, removed="", needs=sentence(effect.needs))
+            Unfelt(source=name, removed="", needs=described(effect.needs))
             for name, effect in effects
             if isinstance(effect, Disturbance | Change | Coefficient)
         ),

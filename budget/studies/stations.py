@@ -68,7 +68,7 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.results import InputFile, Tabled, input_files
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 from budget.studies.blunders import against_limits
 from budget.studies.lower_bounds import expecting
 from budget.studies.request import given_lines, not_weighted, sensors_of
@@ -869,7 +869,7 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
         return ""
     if not probe.elsewhere[g] and not what:
         needs = source_of(name.owner, name.quantity).effect.needs
-        return sentence("stations.reaches_nothing", needs=sentence(needs))
+        return sentence("stations.reaches_nothing", needs=described(needs))
     return sentence("stations.counts_nothing", what=what, is_felt=bool(probe.any[g]))
 
 

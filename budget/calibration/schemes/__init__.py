@@ -24,7 +24,7 @@ from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -196,7 +196,7 @@ def removal(name: Name, procedure: Procedure) -> str:
     effect = source_of(name.owner, name.quantity).effect
     is_by_norm = procedure.formulas == NORM
     place = effect.removed_by_norm if is_by_norm else effect.removed
-    return sentence(place) if place else ""
+    return described(place)
 
 
 def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:

@@ -11,9 +11,12 @@ from budget.calibration.schemes import scheme_of
 from budget.model.norm import NormScheme
 from budget.model.response import STATISTICS
 from budget.model.rotation import RotationScheme
+from budget.model.source import Noise
+from budget.model.sources import source_of
 from budget.names import AXES, by_group, parameters_of
 from budget.report.pages import sections
 from budget.report.wording import error_reference
+from budget.sentences import described
 from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
@@ -46,6 +49,20 @@ def method_section(
     """Return settings and references, in full formulas; of the sensors there are."""
     has_weights = procedure.formulas in {"least_squares", "weighted", "norm"}
     weighed = sensors_of(tuple(devices), procedure) if has_weights else ()
+    effects = [
+        source_of(sensor.kind, line.name).meant(line).effect
+        for device in devices
+        for sensor in device.sensors
+        for line in sensor.lines
+    ]
+    said = {
+        is_noise: {
+            one.formula: described(one.letters)
+            for one in effects
+            if one.formula and isinstance(one, Noise) == is_noise
+        }.items()
+        for is_noise in (True, False)
+    }
     (section,) = sections(
         "method",
         full=full,
@@ -55,12 +72,8 @@ def method_section(
         error_reference=error_reference,
         by_group=by_group,
         weights=[_weights(scheme_of(one.kind, procedure, one)) for one in weighed],
-        lines={  # of other forms the formulas are not these
-            line.form or line.name
-            for device in devices
-            for sensor in device.sensors
-            for line in sensor.lines
-        },
+        noises=said[True],
+        others=said[False],
     )
     return section
 
