@@ -18,11 +18,11 @@ from time import perf_counter, process_time
 
 import budget
 from budget.inputs import load_procedure
+from budget.question import question_of
 from budget.report.analysis.build import report_document
 from budget.report.page import render_page
 from budget.report.typeset import typeset
 from budget.studies.evidence import gather_evidence
-from budget.studies.request import analysis_of
 
 RUNS = 5
 SAMPLES = 2048
@@ -48,7 +48,7 @@ def steps() -> dict[str, tuple[float, float]]:
     clock, taken = Clock(), {}
     result = budget.analyze(device, procedure=procedure, samples=SAMPLES)
     taken["analysis, check, indices"] = clock.lap()
-    evidence = gather_evidence(analysis_of(result), result)
+    evidence = gather_evidence(question_of(result), result)
     taken["coupling, densities, what-if"] = clock.lap()
     document = report_document(
         result,

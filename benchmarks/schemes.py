@@ -20,8 +20,8 @@ from throughput import TRIALS, floor, trials
 
 from budget.calibration.problem import calibration_problem
 from budget.inputs import load_device, load_procedure
+from budget.question import sensors_of
 from budget.resources import shipped
-from budget.studies.request import sensors_of
 
 ROUNDS = 5
 # 6 dwells and 6 turns, repeated: 198 windows are 144 and 54.

@@ -48,6 +48,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from budget import views
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -162,6 +163,9 @@ __all__ = [
     "sweep",
     "uncalibrated",
 ]
+
+
+views.view = lambda: import_module("budget.report.notebook")
 
 
 def __getattr__(name: str) -> object:

@@ -33,10 +33,11 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
-from importlib import import_module
 from math import isinf
 from textwrap import dedent
 from typing import Any, TypeVar
+
+from budget import views
 
 T = TypeVar("T")
 Read = Callable[[Any], Any]
@@ -227,9 +228,6 @@ def document(
     return found
 
 
-SHOWN_BY = "budget.report.notebook"  # stands above, and is loaded when it is asked to
-
-
 class Shown:
     """A record that prints as a short table, in a notebook too.
 
@@ -240,12 +238,12 @@ class Shown:
 
     def __repr__(self) -> str:
         """Return that table as text, and how much there is beyond it."""
-        text: str = import_module(SHOWN_BY).shown_text(self)
+        text: str = views.view().shown_text(self)
         return text
 
     def _repr_html_(self) -> str:
         """Return the same in HTML."""
-        html: str = import_module(SHOWN_BY).shown_html(self)
+        html: str = views.view().shown_html(self)
         return html
 
 

@@ -1,4 +1,4 @@
-"""What one run of the command line has read and written.
+"""Journal of one run of the command line: files read and written.
 
 So that no output takes the place of an input, and that a run which is ended says what
 stands. It is kept in the context of the run, as reader and writer, floors apart, know

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from importlib import import_module
 from math import inf, prod
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from budget.documents import SHOWN_BY, Documented, Shown, document, written
+from budget import views
+from budget.documents import Documented, Shown, document, written
 from budget.errors import NotThereError
 from budget.language import note
 from budget.names import Name, braced, spellings, with_parts
@@ -82,7 +82,7 @@ class Tabled(Shown, Documented):
 
     def to_frame(self) -> pd.DataFrame:
         """Return its rows as a pandas frame, in printed units."""
-        table: pd.DataFrame = import_module(SHOWN_BY).study_frame(self)
+        table: pd.DataFrame = views.view().study_frame(self)
         return table
 
 
@@ -874,8 +874,8 @@ class Budget(Shown, Documented):
     # The same mission after no calibration, the maker's, and the one it is of.
     bought: tuple[Calibrated, ...] = ()
     filter: Filtered | None = None  # of that mission, where it has one
-    # What it is of (budget.studies.request.Analysis): results know nothing of files.
-    analysis: object = field(default=None, repr=False)
+    # What it is of (budget.question.Question): results know nothing of files.
+    question: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:
@@ -994,16 +994,16 @@ class Budget(Shown, Documented):
     @cached_property  # which a notebook completes, unlike a property
     def plot(self) -> Any:  # noqa: ANN401 - Plots, of a floor above this one
         """The figures of the report, `plot.contributions()`: matplotlib Figures."""
-        return import_module(SHOWN_BY).Plots(self)
+        return views.view().Plots(self)
 
     def to_markdown(self) -> str:
         """Return a table with a row for each output, rounded as in a report."""
-        table: str = import_module(SHOWN_BY).budget_markdown(self)
+        table: str = views.view().budget_markdown(self)
         return table
 
     def to_latex(self) -> str:
         """Return the same as a LaTeX tabular."""
-        table: str = import_module(SHOWN_BY).budget_latex(self)
+        table: str = views.view().budget_latex(self)
         return table
 
     def to_xlsx(self, file: str | Path) -> Path:
@@ -1016,7 +1016,7 @@ class Budget(Shown, Documented):
         OutputError
             It cannot be written.
         """
-        path: Path = import_module(SHOWN_BY).write_xlsx(self, file)
+        path: Path = views.view().write_xlsx(self, file)
         return path
 
 
@@ -1234,7 +1234,7 @@ class ReadingEffect(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class ReadingVerdict:
     """The verdict under one combination of readings."""
 
     words: tuple[tuple[Name, str], ...]  # by line
@@ -1256,10 +1256,10 @@ class ReadingVerdicts(Documented):
 
     sensor: str
     total: int  # combinations that there are
-    found: tuple[Reading, ...]  # those computed, the one that is taken first
+    found: tuple[ReadingVerdict, ...]  # those computed, the one that is taken first
 
     @property
-    def passing(self) -> tuple[Reading, ...]:
+    def passing(self) -> tuple[ReadingVerdict, ...]:
         """Those under which it meets."""
         return tuple(one for one in self.found if one.verdict == "meets")
 

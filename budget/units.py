@@ -67,7 +67,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Kind:
+class QuantityKind:
     """One kind of quantity: what people call it and how its units are spelled."""
 
     name: str  # with its article
@@ -82,8 +82,8 @@ _OF_FULL_SCALE = (
 _QUADRATIC, _CUBIC = (_OF_FULL_SCALE.format(word) for word in ("quadratic", "cubic"))
 
 KINDS = (
-    Kind("an angular rate", ("deg/h", "deg/s", "rad/s", "mrad/s", "arcsec/s")),
-    Kind(
+    QuantityKind("an angular rate", ("deg/h", "deg/s", "rad/s", "mrad/s", "arcsec/s")),
+    QuantityKind(
         "an angle random walk",
         (
             "deg/sqrt(h)",
@@ -93,40 +93,50 @@ KINDS = (
             "rad/s/sqrt(Hz)",
         ),
     ),
-    Kind("a rate random walk", ("deg/h/sqrt(h)", "deg/s/sqrt(s)", "rad/s/sqrt(s)")),
-    Kind("an acceleration", ("ug", "mg", "g", "m/s^2", "mGal")),
-    Kind(
+    QuantityKind(
+        "a rate random walk", ("deg/h/sqrt(h)", "deg/s/sqrt(s)", "rad/s/sqrt(s)")
+    ),
+    QuantityKind("an acceleration", ("ug", "mg", "g", "m/s^2", "mGal")),
+    QuantityKind(
         "a velocity random walk",
         ("ug/sqrt(Hz)", "mg/sqrt(Hz)", "g/sqrt(Hz)", "m/s/sqrt(h)", "ft/s/sqrt(h)"),
     ),
-    Kind("an acceleration random walk", ("ug/sqrt(h)", "m/s^2/sqrt(s)")),
-    Kind("a g-sensitivity", ("deg/h/g", "deg/s/g")),
-    Kind("a second-order coefficient", ("ug/g^2", "mg/g^2", "ppm/g"), _QUADRATIC),
-    Kind("a third-order coefficient", ("ug/g^3", "mg/g^3", "ppm/g^2"), _CUBIC),
-    Kind(
+    QuantityKind("an acceleration random walk", ("ug/sqrt(h)", "m/s^2/sqrt(s)")),
+    QuantityKind("a g-sensitivity", ("deg/h/g", "deg/s/g")),
+    QuantityKind(
+        "a second-order coefficient", ("ug/g^2", "mg/g^2", "ppm/g"), _QUADRATIC
+    ),
+    QuantityKind("a third-order coefficient", ("ug/g^3", "mg/g^3", "ppm/g^2"), _CUBIC),
+    QuantityKind(
         "a second-order coefficient of a rate",
         ("ppm/(deg/s)", "deg/h/(deg/s)^2"),
         _QUADRATIC,
     ),
-    Kind(
+    QuantityKind(
         "a third-order coefficient of a rate",
         ("ppm/(deg/s)^2", "deg/h/(deg/s)^3"),
         _CUBIC,
     ),
-    Kind("a rate per square of an acceleration", ("deg/h/g^2", "deg/s/g^2")),
-    Kind("a temperature", ("degC", "K")),
-    Kind("a temperature rate", ("degC/h", "degC/min")),
-    Kind("a coefficient of a temperature rate", ("deg/h/(degC/min)", "deg/h/(degC/h)")),
-    Kind("an acceleration per temperature rate", ("ug/(degC/min)", "ug/(degC/h)")),
-    Kind("a temperature coefficient of a ratio", ("ppm/degC", "%/degC")),
-    Kind("a temperature coefficient of a rate", ("deg/h/degC", "deg/s/degC")),
-    Kind("a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")),
-    Kind("a ratio", ("ppm", "%")),
-    Kind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
-    Kind("a velocity", ("m/s", "mm/s", "um/s", "ft/s", "km/h", "kn")),
-    Kind("a time", ("s", "min", "h", "day", "month", "year")),
-    Kind("a length", ("m", "km", "nmi", "ft")),
-    Kind("a frequency", ("Hz", "kHz")),
+    QuantityKind("a rate per square of an acceleration", ("deg/h/g^2", "deg/s/g^2")),
+    QuantityKind("a temperature", ("degC", "K")),
+    QuantityKind("a temperature rate", ("degC/h", "degC/min")),
+    QuantityKind(
+        "a coefficient of a temperature rate", ("deg/h/(degC/min)", "deg/h/(degC/h)")
+    ),
+    QuantityKind(
+        "an acceleration per temperature rate", ("ug/(degC/min)", "ug/(degC/h)")
+    ),
+    QuantityKind("a temperature coefficient of a ratio", ("ppm/degC", "%/degC")),
+    QuantityKind("a temperature coefficient of a rate", ("deg/h/degC", "deg/s/degC")),
+    QuantityKind(
+        "a temperature coefficient of an acceleration", ("ug/degC", "mg/degC")
+    ),
+    QuantityKind("a ratio", ("ppm", "%")),
+    QuantityKind("an angle", ("arcsec", "arcmin", "deg", "mrad", "urad", "rad")),
+    QuantityKind("a velocity", ("m/s", "mm/s", "um/s", "ft/s", "km/h", "kn")),
+    QuantityKind("a time", ("s", "min", "h", "day", "month", "year")),
+    QuantityKind("a length", ("m", "km", "nmi", "ft")),
+    QuantityKind("a frequency", ("Hz", "kHz")),
 )
 
 # What a name means: a number times powers of other names. Those without a meaning are
@@ -333,10 +343,10 @@ def si_unit(like: str) -> str:
     return next((unit for unit in units if size_of(unit) == 1.0), "SI")
 
 
-def kind_of(like: str) -> Kind:
+def kind_of(like: str) -> QuantityKind:
     """Return the kind of quantity that `like` is a unit of; of none one of its own."""
     found = (k for k in KINDS if _dimension(k.units[0]) == _dimension(like))
-    return next(found, Kind(f"a quantity in {like}", (like,)))
+    return next(found, QuantityKind(f"a quantity in {like}", (like,)))
 
 
 @dataclass(frozen=True)
@@ -421,7 +431,7 @@ def _plain(unit: str) -> str:
 
 # Cached like the sizes: every variant of a device repeats the mistakes of its base.
 @lru_cache(maxsize=1024)
-def _explain_text(text: str, kind: Kind, bare: str) -> str:
+def _explain_text(text: str, kind: QuantityKind, bare: str) -> str:
     """Say what is wrong with a text that is no number followed by a unit."""
     shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
     found = f"found {shown!r}"
@@ -445,7 +455,7 @@ def _explain_text(text: str, kind: Kind, bare: str) -> str:
 
 @lru_cache(maxsize=1024)
 def _explain_unit(
-    text: str, number: str, unit: str, kind: Kind, size: _Size | None
+    text: str, number: str, unit: str, kind: QuantityKind, size: _Size | None
 ) -> str:
     """Say what is wrong with a unit, and how the same unit is spelled here.
 
@@ -482,7 +492,7 @@ def _explain_unit(
     return f"found {text!r}, {why}, {allowed}{advice}"
 
 
-def _with_unit(number: str, kind: Kind, bare: str) -> str:
+def _with_unit(number: str, kind: QuantityKind, bare: str) -> str:
     """Say which quantity a number without a unit is, where that can be said."""
     size = abs(float(number))
     if "ppm" in kind.units and PPM / 1e3 <= size < 1.0:
@@ -503,7 +513,7 @@ def _is_part_of_pi(number: str) -> bool:
     return min(off) < 10.0 ** -len(decimals[1])
 
 
-def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:
+def _as_mapping(rest: str, words: re.Match[str], kind: QuantityKind) -> str:
     """Say how a value is written whose meaning stands in its text."""
     readable = _readable(rest.strip(), kind)
     if not readable:
@@ -515,7 +525,7 @@ def _as_mapping(rest: str, words: re.Match[str], kind: Kind) -> str:
     return f"; a specification value says so: {{value: {readable}, meaning: {as_key}}}"
 
 
-def _readable(text: str, kind: Kind) -> str:
+def _readable(text: str, kind: QuantityKind) -> str:
     """Return a text that is read as what this one says; '' where nobody knows one.
 
     The text itself where it is read, else one with the same number in which words of
@@ -556,7 +566,7 @@ def _same(unit: str, other: str) -> bool:
     return abs(one.si_per_unit / two.si_per_unit - 1.0) <= _SAME
 
 
-def _fits(unit: str, kind: Kind) -> bool:
+def _fits(unit: str, kind: QuantityKind) -> bool:
     """Say whether a text is a unit of that kind."""
     size = _size(unit, STANDARD_GRAVITY)
     return size is not None and size.dimension == _dimension(kind.units[0])

@@ -11,6 +11,7 @@ import yaml
 
 import budget
 from budget.calibration.schemes import calibrates, schedule_of
+from budget.question import question_of
 from budget.report.figures.growth import growth_pictures
 from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
 from budget.report.figures.rows import draw as draw_rows
@@ -20,7 +21,6 @@ from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.studies.mission import curve, drawn_times
-from budget.studies.request import analysis_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -148,7 +148,7 @@ def draw_outages(folder: Path) -> None:
             validate=False,
         )
         taken = budget.load_mission(mission)
-        grown = curve(analysis_of(found), drawn_times(taken, taken.at))
+        grown = curve(question_of(found), drawn_times(taken, taken.at))
         write(growth_pictures(grown)[0].svg, folder / f"{name}.svg")
 
 

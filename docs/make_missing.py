@@ -11,8 +11,8 @@ import numpy as np
 from scipy.special import bdtr, stdtr
 
 from budget.inputs import load_catalogue
+from budget.missing.prediction import DESIGN, Fit, figures_of
 from budget.names import words
-from budget.studies.prediction import DESIGN, Fit, figures_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

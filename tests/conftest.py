@@ -19,8 +19,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import pytest
 from keeping import Variates, once
 
+from budget import question
 from budget.methods import execution
-from budget.studies import analysis, request
+from budget.studies import analysis
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
 
@@ -138,11 +139,11 @@ def variates_once():
 def nothing_is_missing(monkeypatch):
     """Leave out which lines that are not given could widen an output: it is no number.
 
-    That takes as long as the numbers; test_lower_bounds asks it.
+    That takes as long as the numbers; test_expected asks it.
     """
     monkeypatch.setattr(analysis, "could_widen", lambda *_, **__: {})
     for name in ("lacking", "lacking_of_mission"):
-        monkeypatch.setattr(request, name, lambda *_, **__: defaultdict(tuple))
+        monkeypatch.setattr(question, name, lambda *_, **__: defaultdict(tuple))
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from dataclasses import fields, is_dataclass
 from rich.console import Console
 
 from budget.report.blocks import ForPages, Table
-from budget.report.terminal import Page, print_sections
+from budget.report.terminal import TerminalPage, print_sections
 
 
 def walk(part):
@@ -43,7 +43,7 @@ def say(words):
 def on_terminal(sections, width=100):
     """Return what a terminal of that width shows of sections."""
     text = io.StringIO()
-    print_sections(sections, Page(Console(file=text, width=width)))
+    print_sections(sections, TerminalPage(Console(file=text, width=width)))
     return text.getvalue()
 
 

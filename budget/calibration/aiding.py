@@ -1,4 +1,4 @@
-"""The filter of a mission: when what is measured, and what it believes of a unit.
+"""Aiding of a mission: its measurements, and the model of its Kalman filter.
 
 What an aid measures is white by epoch; epochs are at multiples of a period from the
 mission's start, after the begin of a stretch that is aided to its end. All that is

@@ -1,4 +1,4 @@
-"""A mission as one Problem: what a calibration leaves, carried along a route.
+"""A mission as one Problem: errors after calibration, carried along a route.
 
 The errors of the parameters at a later turn-on are constants of the mission, and so is
 what a unit adds to its readings by itself: g-sensitivity, the shape of its scale
@@ -72,9 +72,9 @@ REFERENCE = "next_turn_on"  # a mission begins with a turn-on of its own
 RECTIFICATION = "vibration_rectification"
 FIRST = {GYRO: 0, ACCELEROMETER: len(AXES)}  # row of x among the six inputs
 # What navigation makes of a process, from its times [s].
-IN_RUN: Mapping[str, Callable[..., growth.Noise]] = {
-    "white": growth.White,
-    "walk": growth.Walk,
+IN_RUN: Mapping[str, Callable[..., growth.UnitNoise]] = {
+    "white": growth.UnitWhiteNoise,
+    "walk": growth.UnitRandomWalk,
     "markov": lambda *times: Markov(times=times),
     "rounding": growth.Rounding,
 }

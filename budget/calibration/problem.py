@@ -30,7 +30,6 @@ from budget.model.rotation import RotationScheme
 from budget.model.source import (
     SENSORS,
     TURN_ON,
-    Change,
     Disturbance,
     Initial,
     Noise,
@@ -38,6 +37,7 @@ from budget.model.source import (
     Offset,
     Statistics,
     Triad,
+    TurnOnChange,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.model.sources.temperature import TemperatureChange
@@ -583,7 +583,7 @@ def _calibration(
                 part = effect.part(triads, number)
                 rows = range(place.start, place.stop)[part]
                 acts.append((slice(rows.start, rows.stop), act))
-        elif isinstance(effect, Change):
+        elif isinstance(effect, TurnOnChange):
             for target, gains in effect.gains(triad.given).items():
                 offsets[target] += (_Constant(now=place, gains=gains),)
     return TriadCalibration(

@@ -1,4 +1,4 @@
-"""What a triad has to read in a test and on a mission, held against its range.
+"""Saturation: inputs of a triad, in a test and on a mission, against its range.
 
 A range is the largest input of either sign that an axis reads. A test takes a gyro to
 the rate of its turns and the earth rate, an accelerometer to gravity at every attitude

@@ -27,15 +27,15 @@ from budget.errors import CallError
 from budget.model.rotation import RotationScheme
 from budget.model.source import (
     TURN_ON,
-    Change,
     Disturbance,
     Initial,
-    Moment,
     Noise,
     Nonlinearity,
     Offset,
     Samples,
-    Table,
+    SimulatedWindow,
+    TableState,
+    TurnOnChange,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.model.windows import OUTER
@@ -193,7 +193,7 @@ def _draw(
         drawn = effect.draw(line, rng)
         times = effect.size(line, scheme) // line.u.size
         value = _values(line, rng, times) if drawn is None else drawn
-    elif isinstance(effect, Offset | Change):
+    elif isinstance(effect, Offset | TurnOnChange):
         value = later = _values(line, rng)
         if isinstance(effect, Initial):
             value = later = value * scheme.held_of(effect.target)
@@ -274,7 +274,7 @@ def _turn_on(
         value = one.later if is_later else one.value
         if isinstance(one.effect, Offset):
             truth[one.effect.target] += value
-        elif isinstance(one.effect, Change):
+        elif isinstance(one.effect, TurnOnChange):
             for target, gains in one.effect.gains(known).items():
                 truth[target] += gains[is_later] @ value
     return TurnOn(
@@ -337,7 +337,7 @@ def _count(
 ) -> Array:
     """Count the pulses of one window, shape (3,): eqs. (1), (2), K0 = 1, summed."""
     window, at = scheme.schedule.windows[where.place], where.samples
-    table = Table(
+    table = TableState(
         turn=scheme.schedule.turns.get(where.place),
         stop=scheme.schedule.stops[where.place],
         turning=None
@@ -361,7 +361,7 @@ def _count(
         if one.samples is not None:
             reading = reading + one.samples(at)
     moment = partial(
-        Moment,
+        SimulatedWindow,
         owner=sensor.kind,
         window=window,
         samples=at,
@@ -385,10 +385,10 @@ class _Inputs:
     window: Window
     at: Samples
     content: tuple[object, ...]  # of the table, all that counts
-    table: Table = field(compare=False)
+    table: TableState = field(compare=False)
 
 
-def _inputs(window: Window, table: Table, at: Samples) -> tuple[Array, Array]:
+def _inputs(window: Window, table: TableState, at: Samples) -> tuple[Array, Array]:
     """Return body rate and specific force of the samples, each (3, n) or (3, 1).
 
     At a table that is as it should be they are the same in every run, and kept.

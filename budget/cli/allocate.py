@@ -110,6 +110,7 @@ def allocate(
         pages_asked,
     )
     from budget.inputs import load_costs, load_requirement
+    from budget.question import find_sources, sensors_of, source_names
     from budget.report.allocation.document import allocated_device
     from budget.report.allocation.page import (
         allocation_answer,
@@ -119,7 +120,6 @@ def allocate(
     from budget.report.rendering import check_suffixes
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
-    from budget.studies.request import find_sources, sensors_of, source_names
 
     others = (*(output or ()), *(() if write is None else (write,)))
     check_suffixes(output or [], paper)
@@ -194,7 +194,7 @@ def _values(
     from budget.errors import CallError, UnitError
     from budget.inputs.specification import standard_size
     from budget.model.sources import source_of
-    from budget.studies.request import find_sources, source_names
+    from budget.question import find_sources, source_names
     from budget.units import parse_quantity
 
     kinds = {sensor.kind: sensor for sensor in sensors}

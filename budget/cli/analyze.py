@@ -85,12 +85,12 @@ def compute(
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations
     from budget.inputs import load_calibration, load_mission, load_requirement
-    from budget.studies.analysis import analyze_as
-    from budget.studies.request import (
+    from budget.question import (
         after_a_turn_on,
         choose_times,
         limits_on_mission,
     )
+    from budget.studies.analysis import analyze_as
 
     check_destinations(
         *documents,

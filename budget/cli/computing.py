@@ -1,4 +1,4 @@
-"""Long work: its workers or cluster, and what it says while it runs."""
+"""Execution of long work: workers, cluster, progress."""
 
 from __future__ import annotations
 

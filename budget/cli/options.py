@@ -558,8 +558,8 @@ class Asked:
         """
         from budget.methods.sobol import SAMPLES
         from budget.names import Name
+        from budget.question import choose_basis
         from budget.results import Settings
-        from budget.studies.request import choose_basis
 
         basis = choose_basis(
             requirement, coverage=self.coverage, reference=self.reference
@@ -643,7 +643,7 @@ def select_catalogue(
     """
     from budget.errors import CallError
     from budget.inputs import load_catalogue
-    from budget.studies.grades import is_one_of
+    from budget.missing.grades import is_one_of
 
     found = tuple(
         device for device in load_catalogue() if is_one_of(device, kinds, grades)

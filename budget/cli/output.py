@@ -114,9 +114,9 @@ def hand_out(
 
 def print_page(sections: Iterable[Section], *, title: str = "") -> None:
     """Print sections for people, under a title if there is one."""
-    from budget.report.terminal import Page, print_sections
+    from budget.report.terminal import TerminalPage, print_sections
 
-    page = Page(console())
+    page = TerminalPage(console())
     page.heading(title, style="bold")
     print_sections(sections, page)
 

@@ -94,16 +94,16 @@ def report(
     )
     from budget.language import speaking
     from budget.names import MISSION
+    from budget.question import (
+        choose_times,
+        mission_for,
+        question_of,
+    )
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.report.rendering import check_suffixes, document_date
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
-    from budget.studies.request import (
-        analysis_of,
-        choose_times,
-        mission_for,
-    )
 
     check_suffixes(output, paper)
     date = document_date()
@@ -167,9 +167,9 @@ def report(
                 engine=engine,
                 command="mission",
             )
-        loaded, bare = analysis_of(budget).devices, loaded
+        loaded, bare = question_of(budget).devices, loaded
         evidence = gather_evidence(
-            analysis_of(budget),
+            question_of(budget),
             budget,
             budget.assessment,
             carried=carried,
@@ -233,7 +233,7 @@ def _calibrations(
     """
     from budget.inputs.records import UNCALIBRATED
     from budget.inputs.use import in_use
-    from budget.studies.request import needs_test
+    from budget.question import needs_test
 
     own = load(calibration, procedure, mission=mission, requirement=requirement)
     own = in_use(own, requirement, mission)

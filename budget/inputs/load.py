@@ -35,8 +35,7 @@ from budget.inputs.records import (
 from budget.inputs.requirement import read_requirement
 from budget.inputs.station import aged, done_at, read_station, used
 from budget.inputs.tree import MOST_ISSUES, all_of
-from budget.model.source import Change as Changing
-from budget.model.source import Coefficient
+from budget.model.source import Coefficient, TurnOnChange
 from budget.model.sources import ENVIRONMENT, SENSORS, source_of
 from budget.model.sources.later import TEST_VIBRATION
 from budget.names import MISSION, Name, parameters_of
@@ -362,7 +361,9 @@ def without_test(procedure: Procedure, word: str) -> Procedure:
     later = tuple(
         line
         for line in procedure.environment
-        if isinstance(source_of(ENVIRONMENT, line.name).effect, Changing | Coefficient)
+        if isinstance(
+            source_of(ENVIRONMENT, line.name).effect, TurnOnChange | Coefficient
+        )
         and line.name != TEST_VIBRATION
     )
     at_all = tuple(f"{Name(line.name, owner=ENVIRONMENT)}:" for line in later)

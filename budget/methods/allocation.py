@@ -105,7 +105,7 @@ class Task:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Headroom:
+class FactorHeadroom:
     """How far one source may go alone."""
 
     factor: float  # on its present size [1]; inf where nothing stops it
@@ -200,7 +200,7 @@ def equal(task: Task) -> Array:
     return s
 
 
-def headroom(task: Task, s: Array) -> tuple[Headroom, ...]:
+def headroom(task: Task, s: Array) -> tuple[FactorHeadroom, ...]:
     """Return how far each source may go alone, the others staying as they are at s.
 
     A factor counts from the present size; below 1 the source must shrink, 0 says that
@@ -210,7 +210,7 @@ def headroom(task: Task, s: Array) -> tuple[Headroom, ...]:
     return tuple(headroom_of(task, s, g) for g in range(len(task.law.sources)))
 
 
-def headroom_of(task: Task, s: Array, g: int) -> Headroom:
+def headroom_of(task: Task, s: Array, g: int) -> FactorHeadroom:
     """Return how far one source may go alone from s; see headroom."""
     task = replace(
         task,
@@ -224,13 +224,13 @@ def headroom_of(task: Task, s: Array, g: int) -> Headroom:
     hopeless = (over > TARGET) & (task.part(s)[:, g] >= NEGLIGIBLE)
     if hopeless.any():
         places = largest(np.where(hopeless, over, 0.0).tolist())
-        return Headroom(factor=0.0, stopped_by=places)
+        return FactorHeadroom(factor=0.0, stopped_by=places)
     counts = over <= TARGET
     end = grow(task, s, task.free, among=counts)
     used = np.where(counts, task.utilisation(end), 0.0)
     if used.max() < AT_LIMIT:
-        return Headroom(factor=inf, stopped_by=())
-    return Headroom(factor=float(end[g]), stopped_by=largest(used.tolist()))
+        return FactorHeadroom(factor=inf, stopped_by=())
+    return FactorHeadroom(factor=float(end[g]), stopped_by=largest(used.tolist()))
 
 
 def grow(

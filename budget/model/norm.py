@@ -1,4 +1,4 @@
-"""Calibration by the norm of gravity: dwells at attitudes that nobody knows.
+"""Calibration by the norm of gravity: dwells at unknown attitudes.
 
 A dwell holds |f| = g whatever its attitude. With D = K/K^ and F = |s|^2 - g^2 of what
 the calibrated triad shows, s = M^^-1 (D y - b^), the parameters solve W F = 0 (Skog and

@@ -1,4 +1,4 @@
-"""The place of a test: what it is taken for, or what it is."""
+"""Place of a test: latitude, height, gravity and earth rate, stated or true."""
 
 from __future__ import annotations
 

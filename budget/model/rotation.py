@@ -1,4 +1,4 @@
-"""Calibration of a gyro by rotation: turned between dwells at attitudes nobody knows.
+"""Calibration of a gyro by rotation: turned between dwells at unknown attitudes.
 
 In a dwell the calibrated accelerometers show where down is, s/g = u; in between the
 calibrated gyro says how that has turned, by Phi, the product of exp(-[w^ t]x) of its
@@ -47,7 +47,7 @@ DONE = 1e-15  # part of a parameter that the last step changes at the most [1]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Leg:
+class RotationLeg:
     """The way from one dwell of the accelerometers to the next that stands otherwise.
 
     Attributes
@@ -74,7 +74,7 @@ class RotationScheme(Scheme):
     Attributes
     ----------
     held : Held
-    legs : tuple of Leg
+    legs : tuple of RotationLeg
     inverse : ndarray, shape (12, rows)
         W [1/rad, of an angle 1, of a bias 1/s]; rows of what is held are 0.
     directions : ndarray, shape (3, 12, n_a)
@@ -88,7 +88,7 @@ class RotationScheme(Scheme):
     knows_turns: ClassVar[bool] = False  # the earth rate is taken at known attitudes
 
     held: Held
-    legs: tuple[Leg, ...]
+    legs: tuple[RotationLeg, ...]
     inverse: Array
     directions: Array
     from_beside: Array
@@ -192,7 +192,7 @@ class RotationScheme(Scheme):
 
 
 def sensitivities(
-    schedule_lengths: Array, turned: Array, down: Array, legs: tuple[Leg, ...]
+    schedule_lengths: Array, turned: Array, down: Array, legs: tuple[RotationLeg, ...]
 ) -> tuple[Array, Array]:
     """Return dF/dw, (rows, n, 3) [s], and dF/du, (rows, n_a, 3) [1].
 
@@ -204,7 +204,7 @@ def sensitivities(
         Nominal angles of their turns in body axes, 0 of dwells [rad].
     down : ndarray, shape (n_a, 3)
         Nominal directions of gravity in the dwells of the accelerometers [1].
-    legs : tuple of Leg
+    legs : tuple of RotationLeg
     """
     still = np.flatnonzero(~turned.any(axis=1))
     rows = 3 * (len(legs) + len(still))

@@ -296,7 +296,7 @@ class Disturbance(Effect):
         weighed = (scheme.weights[..., None] * means[:, None]).sum(axis=2)
         return partial(_added, weighed=weighed)
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return what is added to the readings of a window's samples, (3, n)."""
         x, force = np.broadcast_arrays(moment.true_input.T, moment.force.T)
         added = self.in_use(x, force)
@@ -319,7 +319,7 @@ class Disturbance(Effect):
         """
         return None
 
-    def table(self, value: Array, table: Table) -> Table:  # noqa: ARG002
+    def table(self, value: Array, table: TableState) -> TableState:  # noqa: ARG002
         """Return the table as it really stands during a window."""
         return table
 
@@ -338,7 +338,7 @@ def _added(
 Gains = tuple[Array, Array]  # of a source's inputs in a parameter: in the test, later
 
 
-class Change(Effect):
+class TurnOnChange(Effect):
     """A constant part of the truth that is another one at a later turn-on."""
 
     @abstractmethod
@@ -382,7 +382,7 @@ class Samples:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Table:
+class TableState:
     """The table and the place during one simulated window.
 
     Attributes
@@ -418,7 +418,7 @@ class Table:
     pace: float = 1.0
     joints: Array = field(default_factory=lambda: np.array([np.eye(3)] * 4))
 
-    def askew(self, joint: int, axis: int, angle: float) -> Table:
+    def askew(self, joint: int, axis: int, angle: float) -> TableState:
         """Return the table with one joint turned about a coordinate axis [rad]."""
         a = np.eye(3)[axis]
         cross = np.cross(a, np.eye(3)).T  # cross @ v = a x v
@@ -430,7 +430,7 @@ class Table:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Moment:
+class SimulatedWindow:
     """The samples of one simulated window, before the scale factor.
 
     Attributes

@@ -1,4 +1,4 @@
-"""Random processes as sums of waves: the same at whatever times they are asked for."""
+"""Random processes as sums of sinusoids, which can be evaluated at any times."""
 
 from __future__ import annotations
 

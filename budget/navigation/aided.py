@@ -108,7 +108,7 @@ class Belief:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Filter:
+class KalmanFilter:
     """A Kalman filter on a route: its states and its gains.
 
     States are the navigator's, n of them, then the constants, then those of noises and
@@ -191,7 +191,7 @@ class Filter:
         return sum(map(bool, self.at))
 
     @cached_property
-    def run(self) -> Run:
+    def run(self) -> FilterRun:
         """Gains, and what it believes of its errors."""
         steps, n = self.steps, self.n
         P: Array = steps.begin.copy()
@@ -221,7 +221,7 @@ class Filter:
             gains.append(K)
             if len(gains) - 1 in self.kept:
                 covariances[len(gains) - 1] = P.copy()
-        return Run(gains=tuple(gains), covariances=covariances)
+        return FilterRun(gains=tuple(gains), covariances=covariances)
 
     def _check_bounds(self, end: int, variances: Array) -> None:
         """Refuse to measure what is off by so much that rounding decides.
@@ -246,7 +246,7 @@ class Filter:
                 )
 
     @cached_property
-    def steps(self) -> Steps:
+    def steps(self) -> FilterSteps:
         """Transitions and noise of all states in the steps, and how they begin."""
         from scipy.linalg import block_diag
 
@@ -282,7 +282,7 @@ class Filter:
         begin[self.n :, : self.n] = np.concatenate([block.crossed for block in blocks])
         begin[: self.n, self.n :] = begin[self.n :, : self.n].T
         moves = [growth.moves, *(block.gains for block in blocks)]
-        return Steps(
+        return FilterSteps(
             moves=np.concatenate(moves, axis=2),
             fades=np.concatenate([block.fades for block in blocks], axis=1),
             added=added,
@@ -296,7 +296,7 @@ class Filter:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Run:
+class FilterRun:
     """What a filter finds on the way.
 
     Attributes
@@ -312,7 +312,7 @@ class Run:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Steps:
+class FilterSteps:
     """All states of a filter in steps: N of them, n of the navigator.
 
     Attributes
@@ -356,7 +356,7 @@ class Aided:
 
     Attributes
     ----------
-    filter : Filter
+    filter : KalmanFilter
     asked : tuple of int
         Which ends of the steps are asked for, rising.
     aids : tuple of Aid
@@ -365,7 +365,7 @@ class Aided:
         Standard uncertainties of Moment.given when it begins [SI].
     """
 
-    filter: Filter
+    filter: KalmanFilter
     asked: tuple[int, ...]
     aids: tuple[Aid, ...]
     start: Array
@@ -470,12 +470,14 @@ class Sweep:
     direct: Array
 
     @classmethod
-    def of(cls, kalman: Filter, asked: Sequence[tuple[int, Array, Array]]) -> Sweep:
+    def of(
+        cls, kalman: KalmanFilter, asked: Sequence[tuple[int, Array, Array]]
+    ) -> Sweep:
         """Trace rows back that are asked for.
 
         Parameters
         ----------
-        kalman : Filter
+        kalman : KalmanFilter
         asked : sequence of (int, ndarray, ndarray)
             An end, and all rows as they begin there: of the true states, shape (r, n),
             and of the filter's estimates, shape (r, N).

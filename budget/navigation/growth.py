@@ -81,7 +81,7 @@ OF_SLOPE = _pairs(p.deriv() for p in LEGENDRE)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moments:
+class NoiseMoments:
     """What a noise of one input does in steps: `s` of them, `k` states of the noise.
 
     Attributes
@@ -105,7 +105,7 @@ class Moments:
     own: Array
 
 
-class Noise(Protocol):
+class UnitNoise(Protocol):
     """Noise of one input, of unit size; two that are equal are one."""
 
     @abstractmethod
@@ -120,12 +120,12 @@ class Noise(Protocol):
     def edge(self) -> float:
         """Variance of its integral's error at any one moment, without a memory."""
 
-    def over(self, h: Array) -> Moments:
+    def over(self, h: Array) -> NoiseMoments:
         """Return its moments in steps of these durations [s]."""
 
 
 @dataclass(frozen=True)
-class White:
+class UnitWhiteNoise:
     """Angle or velocity random walk, of density 1."""
 
     @property
@@ -135,7 +135,7 @@ class White:
 
     edge = 0.0
 
-    def over(self, h: Array) -> Moments:
+    def over(self, h: Array) -> NoiseMoments:
         """Return orthogonal moments."""
         return _stateless(h[:, None, None] * np.eye(ORDER))
 
@@ -157,13 +157,13 @@ class Rounding:
         """It has no state."""
         return np.empty(0)
 
-    def over(self, h: Array) -> Moments:
+    def over(self, h: Array) -> NoiseMoments:
         """Return the moments with the slopes of the polynomials."""
         return _stateless(self.edge * self.period * OF_SLOPE / h[:, None, None])
 
 
 @dataclass(frozen=True)
-class Walk:
+class UnitRandomWalk:
     """Rate or acceleration random walk of density 1, 0 when the unit is turned on."""
 
     @property
@@ -173,12 +173,12 @@ class Walk:
 
     edge = 0.0
 
-    def over(self, h: Array) -> Moments:
+    def over(self, h: Array) -> NoiseMoments:
         """Return the moments of white noise's integral."""
         one = np.eye(ORDER)[0]
         grows = np.array([rest.integ()(1.0) for rest in REST])
         h = h[:, None, None]
-        return Moments(
+        return NoiseMoments(
             fade=np.ones_like(h[..., 0]),
             first=h * one,
             end=h[..., 0],
@@ -199,7 +199,7 @@ class Markov:
         """All are stationary."""
         return np.ones(len(self.times))
 
-    def over(self, h: Array) -> Moments:
+    def over(self, h: Array) -> NoiseMoments:
         """Return the moments of exp(-|t - t'|/tau), without those of the begin."""
         r = h[:, None] / np.array(self.times)
         fade = np.exp(-r)
@@ -209,7 +209,7 @@ class Markov:
         whole = np.einsum("skj,pqj->skpq", powers, LAGS)
         own = whole - first[..., :, None] * first[..., None, :]
         h = h[:, None, None]
-        return Moments(
+        return NoiseMoments(
             fade=fade,
             first=h * first,
             end=-np.expm1(-2.0 * r),
@@ -223,7 +223,7 @@ class AxisNoise:
     """A noise of one input."""
 
     row: int  # of the six inputs
-    noise: Noise
+    noise: UnitNoise
     u: float  # its size: sigma, or density [SI]
 
 
@@ -233,7 +233,7 @@ class Driven:
 
     Attributes
     ----------
-    over : Moments
+    over : NoiseMoments
     gains : ndarray, shape (s, 6, k, n)
         What the navigator's states gain of each state of the noise.
     joint : ndarray, shape (s, 6, k, n)
@@ -242,7 +242,7 @@ class Driven:
         That of what the navigator's states gain, without the noise's state.
     """
 
-    over: Moments
+    over: NoiseMoments
     gains: Array
     joint: Array
     added: Array
@@ -426,7 +426,7 @@ class _Spread:
 
 
 @lru_cache(maxsize=KEPT)
-def _spread(growth: Growth, noise: Noise) -> _Spread:
+def _spread(growth: Growth, noise: UnitNoise) -> _Spread:
     """Return what a noise does, once for all devices that have it."""
     over = noise.over(growth.steps.durations)
     P, R, p = begun(growth, noise)
@@ -462,7 +462,7 @@ def _spread(growth: Growth, noise: Noise) -> _Spread:
 
 
 def _gains(
-    growth: Growth, over: Moments
+    growth: Growth, over: NoiseMoments
 ) -> Iterator[tuple[Array, Array, Array, Array]]:
     """Yield the transition of each step, and what its noise does for each input.
 
@@ -481,7 +481,7 @@ def _gains(
 
 
 @lru_cache(maxsize=DRIVEN)
-def driven(growth: Growth, noise: Noise) -> Driven:
+def driven(growth: Growth, noise: UnitNoise) -> Driven:
     """Return what a noise of unit size does in each step of a route."""
     over = noise.over(growth.steps.durations)
     K = np.einsum("kj,sjni->sikn", AT_NODES, growth._responses)  # noqa: SLF001
@@ -493,7 +493,7 @@ def driven(growth: Growth, noise: Noise) -> Driven:
     )
 
 
-def begun(growth: Growth, noise: Noise) -> tuple[Array, Array, Array]:
+def begun(growth: Growth, noise: UnitNoise) -> tuple[Array, Array, Array]:
     """Return covariances of the states, with the noise and of it, at the begin.
 
     Self-alignment takes the mean of the noise, which goes on from there.
@@ -540,11 +540,11 @@ def _exponentials(M: Array) -> Array:
     return np.asarray(E * scale[:, None] / scale)
 
 
-def _stateless(own: Array) -> Moments:
+def _stateless(own: Array) -> NoiseMoments:
     """Return the moments of a noise that has no state."""
     s = len(own)
     none, nothing = np.empty((s, 0)), np.empty((s, 0, ORDER))
-    return Moments(fade=none, first=nothing, end=none, joint=nothing, own=own)
+    return NoiseMoments(fade=none, first=nothing, end=none, joint=nothing, own=own)
 
 
 def _from(begin: float, p: Polynomial) -> float:

@@ -121,14 +121,14 @@ class Steps:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Moments:
+class Motion:
     """How a vehicle moves at times of its route, both of shape (s, 4)."""
 
     time: Array  # from the start [s]
     moment: Moment
 
     @classmethod
-    def of(cls, durations: Array, nodes: Moment) -> Moments:
+    def of(cls, durations: Array, nodes: Moment) -> Motion:
         """Return the nodes of steps with their times."""
         begins = np.cumsum(durations) - durations
         return cls(
@@ -187,7 +187,7 @@ class Route(Protocol):
         """When it begins."""
 
     @property
-    def course(self) -> Moments:
+    def course(self) -> Motion:
         """All of it, at the points of Gauss of its steps."""
 
     def steps(self, times: Sequence[float], cuts: Sequence[float] = ()) -> Steps:
@@ -212,10 +212,10 @@ class Legs:
         return moments([self.start], [self.legs[0]], ())
 
     @property
-    def course(self) -> Moments:
+    def course(self) -> Motion:
         """All of it, at the points of Gauss of its steps."""
         steps = self.steps((self.duration,))
-        return Moments.of(steps.durations, steps.nodes)
+        return Motion.of(steps.durations, steps.nodes)
 
     @cached_property
     def outline(self) -> Outline:
@@ -346,10 +346,10 @@ class Track:
         return self._moments(np.array(0.0))
 
     @property
-    def course(self) -> Moments:
+    def course(self) -> Motion:
         """All of it, at the points of Gauss of its steps."""
         edges, _ = self._whole
-        return Moments.of(np.diff(edges), self._nodes(edges))
+        return Motion.of(np.diff(edges), self._nodes(edges))
 
     @cached_property
     def outline(self) -> Outline:
@@ -516,7 +516,7 @@ def _outline(
         np.linalg.norm(one, axis=-1)
         for one in (nodes.velocity, nodes.acceleration, nodes.turning)
     )
-    times = Moments.of(durations, nodes).time
+    times = Motion.of(durations, nodes).time
     return Outline(
         latitude=latitude,
         longitude=longitude,

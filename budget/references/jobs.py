@@ -17,6 +17,15 @@ from budget.inputs.use import in_use
 from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
 from budget.names import MISSION
+from budget.question import (
+    Question,
+    choose_basis,
+    find_sources,
+    needs_test,
+    question_of,
+    sensors_of,
+    source_names,
+)
 from budget.references.quantities import device_of, snapshot_of
 from budget.references.records import FILES, JOBS, Asked, files_fault
 from budget.references.sampling import standard_errors
@@ -26,15 +35,6 @@ from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import TRIALS
-from budget.studies.request import (
-    Analysis,
-    analysis_of,
-    choose_basis,
-    find_sources,
-    needs_test,
-    sensors_of,
-    source_names,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -238,7 +238,7 @@ def _snapshot(budget: Budget) -> Snapshot:
     is_drawn = any(row.interval_by == BY_TRIALS for row in budget.outputs)
     trials = settings.trials or (TRIALS if is_drawn else None)
     sure = trials is not None and standard_errors(
-        analysis_of(budget).problem,
+        question_of(budget).problem,
         trials=trials,
         coverage=settings.coverage,
         interval=settings.interval,
@@ -278,8 +278,8 @@ def _compare(
     for row in document["devices"]:
         if row["trials"] is not None:
             device, how = by_name[row["file"]], tests[row["procedure"]]
-            analysis = (
-                Analysis(
+            question = (
+                Question(
                     devices=(device,),
                     procedure=in_use(how, requirement, given["mission"]),
                     coverage=requirement.coverage,
@@ -289,12 +289,12 @@ def _compare(
                     carried_to=(),
                 )
                 if row["sensor"] == MISSION
-                else Analysis.of(device, procedure=how, requirement=requirement).alone(
+                else Question.of(device, procedure=how, requirement=requirement).alone(
                     row["sensor"]
                 )
             )
             errors[device_of(document, row)] = standard_errors(
-                analysis.problem, trials=row["trials"], coverage=requirement.coverage
+                question.problem, trials=row["trials"], coverage=requirement.coverage
             )
     return snapshot_of(document, errors)
 

@@ -1,4 +1,4 @@
-"""Answers as pages: what a command says, taken apart for a document of its own."""
+"""The answer of a command as a document: headline, summary, cards, sections."""
 
 from __future__ import annotations
 

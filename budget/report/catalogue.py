@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from budget.documents import written
 from budget.inputs.files import bare_name
 from budget.inputs.records import Device
-from budget.report.inputs import data_sheet
-from budget.report.pages import sections
-from budget.studies.grades import (
+from budget.missing.grades import (
     completeness,
     grade,
     kind_of_device,
 )
+from budget.report.inputs import data_sheet
+from budget.report.pages import sections
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

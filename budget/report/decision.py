@@ -1,4 +1,4 @@
-"""What to buy for people and programs: the choice, its calibration, station, asks."""
+"""A purchase decision as a document: device, calibration, station, questions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The file that a target reads, from its template; and what a person is told of it."""
+"""An export as the file of its target, and as sections that explain it."""
 
 from __future__ import annotations
 

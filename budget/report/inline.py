@@ -1,4 +1,4 @@
-"""How a line of text is set on a page or a sheet: minus signs, powers, links.
+"""Typography of a line of text: minus signs, powers of ten, links.
 
 Texts come with hyphens for minus signs and with powers of ten as Python prints them,
 as a terminal and programs have them; names, dates, ranges and hashes stay as they are.

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
     from budget.report.blocks import Section
-    from budget.studies.blunders import Blunder, Offset
+    from budget.studies.blunders import Blunder, BlunderError
 
 
 NOMINAL_BIAS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -170,7 +170,7 @@ def print_degrees(angle: float) -> str:
 
 
 def blunders_sections(
-    costs: Sequence[tuple[Blunder, Sequence[Offset]]],
+    costs: Sequence[tuple[Blunder, Sequence[BlunderError]]],
 ) -> tuple[Section, ...]:
     """Say what mistakes about the place would add to the outputs; () without any."""
     return sections("mistakes", costs=costs)

@@ -1,4 +1,4 @@
-"""Errors of a mission for people: times, units that one reads, which line dominates."""
+"""Errors of a mission by time, in readable units, and their main contributors."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ WORSE = 2.0  # than straight on, from which on a turn is worth a sentence [1]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AtTime:
+class ErrorsAtTime:
     """The errors at one time of a mission."""
 
     time: float  # since it began [s]
@@ -111,7 +111,7 @@ def unit_for_all(quantity: str, sizes: Iterable[float]) -> Unit:
     return unit_for(quantity, min((one for one in sizes if one > 0.0), default=0.0))
 
 
-def units_of(moments: Iterable[AtTime]) -> dict[str, Unit]:
+def units_of(moments: Iterable[ErrorsAtTime]) -> dict[str, Unit]:
     """Return the units of errors that are read in one, the same at these times."""
     return {
         like: unit_for_all(like, [at.largest(like) for at in moments]) for like in UNITS
@@ -133,7 +133,7 @@ def outputs_at_end(budget: Budget) -> dict[Name, Output]:
     }
 
 
-def by_time(budget: Budget) -> tuple[AtTime, ...]:
+def by_time(budget: Budget) -> tuple[ErrorsAtTime, ...]:
     """Gather the outputs of a mission by their times, rising."""
 
     def time_of(row: OutputBudget) -> float:
@@ -141,11 +141,12 @@ def by_time(budget: Budget) -> tuple[AtTime, ...]:
 
     rows = sorted(budget.outputs, key=time_of)
     return tuple(
-        AtTime(time=time, rows=tuple(own)) for time, own in groupby(rows, key=time_of)
+        ErrorsAtTime(time=time, rows=tuple(own))
+        for time, own in groupby(rows, key=time_of)
     )
 
 
-def bought(budget: Budget, moments: Sequence[AtTime]) -> Mapping[str, Any] | None:
+def bought(budget: Budget, moments: Sequence[ErrorsAtTime]) -> Mapping[str, Any] | None:
     """Return the CEP at every time after each calibration; None of one alone."""
     tests = budget.bought
     if not tests or len(tests[0].cep) != len(moments):
@@ -219,7 +220,7 @@ class Leader:
     share: float  # of the variance [1]
 
 
-def blamed(moments: Sequence[AtTime]) -> tuple[Blamed, ...]:
+def blamed(moments: Sequence[ErrorsAtTime]) -> tuple[Blamed, ...]:
     """Return sources by their largest share of the horizontal variance at any time."""
     rows = [row for at in moments if (row := at.horizontal) is not None]
     found: dict[Name, list[float]] = {}
@@ -234,7 +235,7 @@ def blamed(moments: Sequence[AtTime]) -> tuple[Blamed, ...]:
     return tuple(sources[k] for k in order)
 
 
-def contributions(moments: Sequence[AtTime]) -> dict[str, object]:
+def contributions(moments: Sequence[ErrorsAtTime]) -> dict[str, object]:
     """Return who contributes how much to the horizontal position at every time."""
     sources = blamed(moments)
     times = [at.time for at in moments if at.horizontal is not None]
@@ -258,7 +259,7 @@ def contributions(moments: Sequence[AtTime]) -> dict[str, object]:
     }
 
 
-def rate_per_hour(moments: Sequence[AtTime]) -> tuple[float, Number] | None:
+def rate_per_hour(moments: Sequence[ErrorsAtTime]) -> tuple[float, Number] | None:
     """Return CEP over time at 1 h, or at the first later time [nmi/h], else None."""
     for at in moments:
         row = at.horizontal

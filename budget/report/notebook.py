@@ -1,4 +1,4 @@
-"""Results where they are computed: a table in a notebook, figures, a written report."""
+"""Results in a notebook and at a prompt: tables, figures, a written report."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from budget.inputs.records import Device
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import HORIZONTAL, LENGTHS, Name
+from budget.question import question_of
 from budget.report.analysis.build import report_document
 from budget.report.analysis.mission import way_with_errors
 from budget.report.analysis.verdict import headline
@@ -39,7 +40,7 @@ from budget.report.figures.contributions import (
     waterfall_chart,
 )
 from budget.report.figures.density import density_step
-from budget.report.figures.growth import Growth, draw_growth
+from budget.report.figures.growth import ErrorGrowth, draw_growth
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -59,7 +60,7 @@ from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
 from budget.report.tables import AT_LEAST, group_tables, output_row
-from budget.report.terminal import Page, print_blocks
+from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -69,7 +70,6 @@ from budget.studies.densities import critical_densities
 from budget.studies.evidence import gather_evidence
 from budget.studies.export.study import Export
 from budget.studies.mission import Curve, curve, drawn_times
-from budget.studies.request import analysis_of
 from budget.studies.stations import Qualification
 from budget.ties import first_largest
 from budget.units import si_unit
@@ -104,7 +104,7 @@ def write_report(
     language: str = ENGLISH,
 ) -> tuple[Path, ...]:
     """Write the report on a budget, as `budget report` does; return the files."""
-    analysis = analysis_of(budget)
+    question = question_of(budget)
     if not files:
         raise CallError("no file to write to; give one or more, as 'report.html'")
     paths = tuple(map(Path, files))
@@ -113,9 +113,9 @@ def write_report(
     with speaking(language):
         document = report_document(
             budget,
-            devices=analysis.devices,
-            procedure=analysis.procedure,
-            evidence=gather_evidence(analysis, budget, budget.assessment),
+            devices=question.devices,
+            procedure=question.procedure,
+            evidence=gather_evidence(question, budget, budget.assessment),
             assessment=budget.assessment,
             command_line=COMMAND,
             date=document_date(),
@@ -141,7 +141,7 @@ def shown_text(found: Shown) -> str:
     room = get_terminal_size((MOST_WIDTH, 0)).columns
     width = min(max(room, LEAST_WIDTH), MOST_WIDTH)
     console = Console(file=text, width=width, color_system=None, force_jupyter=False)
-    print_blocks(_shown(found, WARNINGS), Page(console))
+    print_blocks(_shown(found, WARNINGS), TerminalPage(console))
     return text.getvalue().rstrip()
 
 
@@ -496,7 +496,7 @@ def _schedule(budget: Budget) -> Chart | None:
     """Return turns and dwells of the test of a budget; None of no test."""
     there = {row.sensor for row in budget.outputs}
     sensors = [kind for kind in SENSORS if kind in there]
-    return schedule_chart(analysis_of(budget).procedure, sensors) if sensors else None
+    return schedule_chart(question_of(budget).procedure, sensors) if sensors else None
 
 
 P = ParamSpec("P")
@@ -580,9 +580,9 @@ class Plots:
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
         sensor = self._sensor(sensor)
-        analysis = analysis_of(self.budget)
+        question = question_of(self.budget)
         table = coupling_by_law(
-            analysis.problem, analysis.law, analysis.procedure.formulas
+            question.problem, question.law, question.procedure.formulas
         )
         return _drawn(coupling_chart(table, sensor), f"no source affects the {sensor}")
 
@@ -596,9 +596,9 @@ class Plots:
     @_headed
     def positions(self) -> Figure:
         """Show the positions of the calibration: which axis is up, and which turns."""
-        analysis = analysis_of(self.budget)
-        kinds = [sensor.kind for sensor in analysis.sensors]
-        found = Positions.of(analysis.procedure, kinds)
+        question = question_of(self.budget)
+        kinds = [sensor.kind for sensor in question.sensors]
+        found = Positions.of(question.procedure, kinds)
         return draw_positions(_found(found, "the calibration has no positions"))
 
     @_headed
@@ -607,10 +607,10 @@ class Plots:
 
         With the windows that the calibration averages.
         """
-        analysis = analysis_of(self.budget)
-        triads = {one.kind: one for one in analysis.sensors}
+        question = question_of(self.budget)
+        triads = {one.kind: one for one in question.sensors}
         triad = _choice(triads, sensor or next(iter(triads)))
-        found = Allan.of(triad, analysis.procedure)
+        found = Allan.of(triad, question.procedure)
         return draw_allan(
             _found(found, f"no specification of the {triad.kind} is noise")
         )
@@ -625,7 +625,7 @@ class Plots:
             str(Name(quantity, axis=axis)): (quantity, axis)
             for quantity, axis in (*LENGTHS.items(), *SEEN)
         }
-        found = Growth.of(_curve(self.budget), _choice(known, error))
+        found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
         judged = self.budget.assessment
         limits = () if judged is None else judged.outputs
         return draw_growth(_found(found, "nothing moves that error"), limits)
@@ -663,7 +663,7 @@ class Plots:
         found = {
             str(one.output.name): one
             for one in critical_densities(
-                analysis_of(budget), budget, budget.assessment
+                question_of(budget), budget, budget.assessment
             )
         }
         density = _choice(found, output or next(iter(found), ""))
@@ -696,11 +696,11 @@ def _curve(budget: Budget) -> Curve:
     CallError
         The budget is of no mission.
     """
-    analysis = analysis_of(budget)
-    if budget.mission is None or analysis.journey is None:
+    question = question_of(budget)
+    if budget.mission is None or question.journey is None:
         raise CallError("the budget is of no mission; give mission= to analyze")
     asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
-    return curve(analysis, drawn_times(analysis.journey, asked))
+    return curve(question, drawn_times(question.journey, asked))
 
 
 def _choice(known: Mapping[str, T], name: str) -> T:

@@ -1,4 +1,4 @@
-"""Where a mission leads: place and motion when it begins and when it is asked about."""
+"""The route of a mission in words, and as a table of places."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DIGITS = 7  # of a number that is rounded to decimals already
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Waypoint:
     """One of the moments of a route."""
 
     time: float  # since the start [s]
@@ -92,8 +92,8 @@ def route_section(mission: Mission) -> Section:
         "route",
         way=way_of(mission.route),
         places=[
-            _Place(0.0, mission.route.first, ()),
-            *(_Place(time, ends, (k,)) for k, time in enumerate(mission.at)),
+            _Waypoint(0.0, mission.route.first, ()),
+            *(_Waypoint(time, ends, (k,)) for k, time in enumerate(mission.at)),
         ],
         print_time=print_time,
     )

@@ -1,4 +1,4 @@
-"""What an answer stands on beside its numbers: what is assumed, and not given."""
+"""Assumptions and missing specifications behind an answer, in words."""
 
 from __future__ import annotations
 

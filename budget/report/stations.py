@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from budget.distributions import NORMAL
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
+from budget.question import given_lines
 from budget.report.answers import LEAST_ROWS, Answer, decades
 from budget.report.document import json_text
 from budget.report.figures.rows import (
@@ -36,7 +37,6 @@ from budget.report.tables import (
     print_three,
     source_title,
 )
-from budget.studies.request import given_lines
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import from_largest, settle, smallest
 from budget.version import __version__

@@ -68,7 +68,7 @@ OPEN = "yellow"  # of all others
 SIGNS = str.maketrans({AT_LEAST: ">=", AT_MOST: "<=", "\N{INFINITY}": "inf"})
 
 
-class Page:
+class TerminalPage:
     """A console that is written line by line, in characters that it can show."""
 
     def __init__(self, console: Console) -> None:
@@ -125,7 +125,7 @@ class Page:
         return EIGHTHS[8] * (eighths // 8) + EIGHTHS[eighths % 8].rstrip()
 
 
-def print_sections(sections: Iterable[Section], page: Page) -> None:
+def print_sections(sections: Iterable[Section], page: TerminalPage) -> None:
     """Print sections below one another, or the line that stands for one in brief."""
     for section in sections:
         if section.in_brief == "":
@@ -139,7 +139,7 @@ def print_sections(sections: Iterable[Section], page: Page) -> None:
         print_blocks(section.blocks, page)
 
 
-def print_blocks(blocks: Iterable[Block], page: Page) -> None:
+def print_blocks(blocks: Iterable[Block], page: TerminalPage) -> None:
     """Print what a terminal can show of blocks: no figure, no formula."""
     before: Block | None = None
     for block in blocks:
@@ -166,7 +166,7 @@ def print_blocks(blocks: Iterable[Block], page: Page) -> None:
                 print_blocks(inner, page)
 
 
-def _print_listing(listing: Listing, page: Page) -> None:
+def _print_listing(listing: Listing, page: TerminalPage) -> None:
     """Print points, or what it means that there are none."""
     for place, item in enumerate(listing.items, start=1):
         page.paragraph(_plain(item), first=f"{place}. " if listing.numbered else "- ")
@@ -197,7 +197,7 @@ class SetColumn:
         return _padded(text, self.width)
 
 
-def print_table(table: Table, page: Page) -> None:
+def print_table(table: Table, page: TerminalPage) -> None:
     """Print a table; columns for which there is no room, in tables below it.
 
     Texts are broken over lines where that makes room. The first column stands in each
@@ -309,7 +309,7 @@ def _wrap(text: str, width: int, *, on_hyphens: bool = True) -> list[str]:
 
 
 def _print_part(
-    table: Table, columns: Sequence[SetColumn], page: Page, *, with_notes: bool
+    table: Table, columns: Sequence[SetColumn], page: TerminalPage, *, with_notes: bool
 ) -> None:
     """Print some columns of a table side by side, heads above their last line."""
 
@@ -345,7 +345,9 @@ def _print_part(
                 page.paragraph(notes, first=" " * GAP)
 
 
-def _bars(columns: Sequence[SetColumn], width: int, page: Page) -> Iterator[str]:
+def _bars(
+    columns: Sequence[SetColumn], width: int, page: TerminalPage
+) -> Iterator[str]:
     """Yield a bar for each row: of the share in it, where one column alone has any."""
     (shares, *others) = [c.shares for c in columns if any(c.shares)] or [[]]
     if others or width < NARROWEST_BAR:
@@ -354,7 +356,7 @@ def _bars(columns: Sequence[SetColumn], width: int, page: Page) -> Iterator[str]
     yield from repeat("")
 
 
-def _print_fields(table: Table, page: Page) -> None:
+def _print_fields(table: Table, page: TerminalPage) -> None:
     """Print every row as a list of its fields, below its head."""
     for group in table.groups:
         if group.title:

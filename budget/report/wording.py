@@ -91,7 +91,7 @@ def not_given_lines(
     """Say which lines are absent and what they could change, by sensor and effect.
 
     `reach` has the outputs that each absent line would reach, from
-    budget.studies.lower_bounds.could_widen; `is_later`: at a later turn-on.
+    budget.missing.expected.could_widen; `is_later`: at a later turn-on.
     """
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
     for name, outputs in reach.items():

@@ -1,4 +1,4 @@
-"""How values are written on pages: what keeps them from Markdown, and the filters."""
+"""Values in templates: kept from Markdown, and written by filters."""
 
 from __future__ import annotations
 

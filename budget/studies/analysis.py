@@ -31,8 +31,26 @@ from budget.methods.radius import circles
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
+from budget.missing import REFUSE, Filling, fill_all
+from budget.missing.expected import could_widen, expecting_device
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
+from budget.question import (
+    Question,
+    after_a_turn_on,
+    check_settings,
+    choose_basis,
+    choose_outputs,
+    choose_sources,
+    choose_times,
+    navigating,
+    not_calibrated,
+    not_estimated,
+    not_on_a_mission,
+    not_weighted,
+    question_of,
+    sensors_of,
+)
 from budget.results import (
     BY_LAW,
     BY_PREDICTION,
@@ -57,28 +75,10 @@ from budget.studies.conformity import assess, open_to
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
 from budget.studies.learnt import filtered, too_sure
-from budget.studies.lower_bounds import could_widen, expecting_device
-from budget.studies.missing import REFUSE, Filling, fill_all
 from budget.studies.mission import bought
 from budget.studies.mixture import ONE_SIGMA, Mixture
 from budget.studies.progress import Engine, describe_cost, seconds_per_trial
 from budget.studies.readings import effects
-from budget.studies.request import (
-    Analysis,
-    after_a_turn_on,
-    analysis_of,
-    check_settings,
-    choose_basis,
-    choose_outputs,
-    choose_sources,
-    choose_times,
-    navigating,
-    not_calibrated,
-    not_estimated,
-    not_on_a_mission,
-    not_weighted,
-    sensors_of,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -98,7 +98,7 @@ SIMULATED_RUNS = 200  # where no number is asked for
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Estimate:
+class MethodEstimate:
     """What one method says of all outputs, in their order [SI]."""
 
     method: str  # 'law', 'monte-carlo' or 'simulation'
@@ -199,7 +199,7 @@ def analyze(
     matrices : bool
         Whether the result has the compensation matrices (budget.studies.compensation).
     missing : str
-        What stands for expected lines that are not given (budget.studies.missing):
+        What stands for expected lines that are not given (budget.missing):
         'refuse', 'worst', 'typical' or 'predict'.
     catalogue : sequence of Device, optional
         Where those lines are taken from; without it the devices that ship.
@@ -331,7 +331,7 @@ def analyze_as(
             *not_estimated(devices, procedure, requirement),
             *warnings,
         )
-    analysis = Analysis(
+    question = Question(
         devices=devices,
         procedure=procedure,
         coverage=settings.coverage,
@@ -345,7 +345,7 @@ def analyze_as(
         on_mission=on_mission,
         catalogue=None if catalogue is None else tuple(catalogue),
     )
-    problem, law = analysis.problem, analysis.law
+    problem, law = question.problem, question.law
     if engine.talk is not None:
         for text in _costs(problem, settings, engine.workers):
             engine.talk(text)
@@ -357,15 +357,15 @@ def analyze_as(
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
     # Of some sources alone what is true is no measure of what the filter believes.
-    found_out = filtered(analysis) if chosen is None else None
+    found_out = filtered(question) if chosen is None else None
     warnings += too_sure(found_out, requirement)
-    warnings += cautions.saturated(analysis)
-    warnings += cautions.of_no_vehicle(analysis.journey)
+    warnings += cautions.saturated(question)
+    warnings += cautions.of_no_vehicle(question.journey)
     if chosen is None and of_test:
-        warnings += cautions.say_unfelt(cautions.unfelt(analysis))
+        warnings += cautions.say_unfelt(cautions.unfelt(question))
         warnings += blunders.worth_saying(procedure, sensors, law, problem, requirement)
-    estimate = ESTIMATORS[settings.method](analysis, settings, engine)
-    estimate = _over_missing(analysis, estimate)
+    estimate = ESTIMATORS[settings.method](question, settings, engine)
+    estimate = _over_missing(question, estimate)
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
@@ -382,7 +382,7 @@ def analyze_as(
         )
     matrices: dict[str, Compensation] = {}
     if settings.matrices:
-        matrices, absent = compensations(analysis)
+        matrices, absent = compensations(question)
         warnings += absent
     is_simulated = settings.method == "simulation"
     budget = Budget(
@@ -397,14 +397,14 @@ def analyze_as(
             formulas=procedure.formulas,
             normals_per_trial=None if is_simulated else problem.normals_per_trial,
             only=tuple(sorted(chosen or ())),
-            outputs=analysis.asked or (),
+            outputs=question.asked or (),
             sobol_samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
         outputs=tuple(
             _as_given(row, settings.coverage)
             for row in _output_budgets(
-                analysis, estimate, indices=indices, lacks=analysis.lacks
+                question, estimate, indices=indices, lacks=question.lacks
             )
         ),
         covariance=estimate.covariance,
@@ -423,23 +423,23 @@ def analyze_as(
             sensors,
             procedure,
             reference=settings.reference,
-            on=analysis.carried,
+            on=question.carried,
         ),
         matrices=matrices,
-        quantities=input_quantities(analysis),
-        filled=analysis.filled.lines,
-        left=analysis.filled.left,
-        readings=effects(analysis.sensors, procedure, reference=settings.reference)
+        quantities=input_quantities(question),
+        filled=question.filled.lines,
+        left=question.filled.left,
+        readings=effects(question.sensors, procedure, reference=settings.reference)
         if chosen is None and of_test
         else (),
-        mission=analysis.journey,
+        mission=question.journey,
         filter=found_out,
-        analysis=analysis,
+        question=question,
     )
     budget = budget if requirement is None else _judge(budget, requirement)
     return replace(
         budget,
-        bought=() if of_test or chosen is not None else bought(analysis, budget),
+        bought=() if of_test or chosen is not None else bought(question, budget),
         warnings=(
             *budget.warnings,
             *cautions.judged_otherwise(budget),
@@ -468,14 +468,14 @@ def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> N
         )
 
 
-def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEstimate:
     """Propagate, and have Monte Carlo check it.
 
     Where the law is not sure enough of an interval, it is that of the trials by which
     limits are judged; what has a limit is judged later.
     """
-    problem, law, coverage = analysis.problem, analysis.law, settings.coverage
-    wanted = analysis.requirement
+    problem, law, coverage = question.problem, question.law, settings.coverage
+    wanted = question.requirement
     found = intervals_of(
         problem,
         law,
@@ -483,7 +483,7 @@ def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
         seed=settings.seed,
         besides=() if wanted is None else wanted.outputs,
     )
-    estimate = Estimate(
+    estimate = MethodEstimate(
         method=BY_LAW,
         trials=None,
         mean=law.mean,
@@ -519,9 +519,11 @@ def _by_law(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
     )
 
 
-def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+def _by_trials(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Propagate distributions by Monte Carlo."""
-    problem = analysis.problem
+    problem = question.problem
     drawn = sample(
         problem,
         trials=settings.trials,
@@ -534,7 +536,7 @@ def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estima
         executor=engine.executor,
         progress=engine.stage("Monte Carlo"),
     )
-    return Estimate(
+    return MethodEstimate(
         method=BY_TRIALS,
         trials=drawn.trials,
         mean=drawn.mean,
@@ -545,27 +547,29 @@ def _by_trials(analysis: Analysis, settings: Settings, engine: Engine) -> Estima
     )
 
 
-def _by_simulation(analysis: Analysis, settings: Settings, engine: Engine) -> Estimate:
+def _by_simulation(
+    question: Question, settings: Settings, engine: Engine
+) -> MethodEstimate:
     """Simulate the calibration run after run, and take moments and intervals."""
-    derive = analysis.derive  # what has none is refused before all that work
+    derive = question.derive  # what has none is refused before all that work
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
     progress = engine.stage("simulated calibrations")
     columns = []
     for run in range(runs):
         columns.append(
             simulate(
-                analysis.sensors,
-                analysis.procedure,
+                question.sensors,
+                question.procedure,
                 seed=settings.seed,
                 reference=settings.reference,
-                only=analysis.only,
+                only=question.only,
                 run=run,
             )
         )
         if progress is not None:
             progress(run + 1, runs)
     errors = derive(np.stack(columns, axis=1))
-    return Estimate(
+    return MethodEstimate(
         method="simulation",
         trials=runs,
         mean=errors.mean(axis=1),
@@ -584,17 +588,17 @@ ESTIMATORS = {
 }
 
 
-def _over_missing(analysis: Analysis, estimate: Estimate) -> Estimate:
+def _over_missing(question: Question, estimate: MethodEstimate) -> MethodEstimate:
     """Return an estimate over what predicted lines may be, not at their medians.
 
     Of a mission; all others as they are. Correlations are those at the medians.
     """
-    mixture = Mixture.of(analysis)
+    mixture = Mixture.of(question)
     if mixture is None:
         return estimate
-    law, legs = analysis.law, analysis.problem.legs
-    half = mixture.half_widths(analysis.coverage, analysis)
-    u = mixture.half_widths(ONE_SIGMA, analysis)
+    law, legs = question.law, question.problem.legs
+    half = mixture.half_widths(question.coverage, question)
+    u = mixture.half_widths(ONE_SIGMA, question)
     first = u.size - legs.shape[1]
     u[first:] = np.hypot(*u[legs])  # as of DRMS, which no circle is of
     before = law.standard_uncertainty
@@ -606,7 +610,7 @@ def _over_missing(analysis: Analysis, estimate: Estimate) -> Estimate:
         covariance=law.covariance * np.outer(ratio, ratio),
         interval=np.stack([law.mean - half, law.mean + half], axis=1),
         circles=np.stack(
-            [mixture.half_widths(p, analysis)[first:] for p in (CEP, R95)]
+            [mixture.half_widths(p, question)[first:] for p in (CEP, R95)]
         ),
         assumptions=(sentence("cautions.mixture"),),
     )
@@ -616,7 +620,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
     """Judge a budget; its required outputs get the intervals that were judged."""
     assessment = assess(budget, requirement)
     judged = {row.output.name: row for row in assessment.outputs}
-    lacks = open_to(analysis_of(budget), assessment)
+    lacks = open_to(question_of(budget), assessment)
     rows = [row.lacking(lacks[row.output.name]) for row in budget.outputs]
     return replace(
         budget,
@@ -670,20 +674,20 @@ def _most_to_validate(digits: int) -> int:
 
 
 def _output_budgets(
-    analysis: Analysis,
-    estimate: Estimate,
+    question: Question,
+    estimate: MethodEstimate,
     *,
     indices: SobolResult | None,
     lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
-    problem, law = analysis.problem, analysis.law
+    problem, law = question.problem, question.law
     names = [group.name for group in problem.groups]
     radii = _radii(problem, estimate)
-    c = sensitivities(analysis)
+    c = sensitivities(question)
     u = np.sqrt(np.diag(estimate.covariance))
-    factor = law.coverage_factor(analysis.coverage)
-    of_others = {one.source for one in analysis.filled.lines}
+    factor = law.coverage_factor(question.coverage)
+    of_others = {one.source for one in question.filled.lines}
     by_trials = estimate.by_trials
     budgets = []
     for k, output in enumerate(problem.outputs):
@@ -740,7 +744,7 @@ def _output_budgets(
     return tuple(budgets)
 
 
-def _radii(problem: Problem, estimate: Estimate) -> dict[Name, Radii]:
+def _radii(problem: Problem, estimate: MethodEstimate) -> dict[Name, Radii]:
     """Return CEP and R95 of the lengths among the outputs."""
     lengths = [output.name for output in problem.outputs if output.length_of]
     if not lengths:

@@ -87,7 +87,7 @@ class Blunder:
 
     def warn(
         self,
-        moved: Iterable[Offset],
+        moved: Iterable[BlunderError],
         beside: Mapping[Name, float] | None = None,
         what: str = "u",
     ) -> str:
@@ -105,7 +105,7 @@ class Blunder:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Offset:
+class BlunderError:
     """What a blunder adds to an output, or to all axes of it alike."""
 
     name: Name
@@ -162,7 +162,7 @@ def left_open(procedure: Procedure) -> Iterator[Blunder]:
             yield _anomaly(procedure)
 
 
-def offsets(blunder: Blunder, sensors: Iterable[Sensor]) -> tuple[Offset, ...]:
+def offsets(blunder: Blunder, sensors: Iterable[Sensor]) -> tuple[BlunderError, ...]:
     """Return what a blunder adds to each output of these triads.
 
     The calibration (budget.calibration.problem) with that source at its value, less
@@ -191,12 +191,12 @@ def offsets(blunder: Blunder, sensors: Iterable[Sensor]) -> tuple[Offset, ...]:
     with np.errstate(all="ignore"):  # no such earth; what is not finite is left out
         errors = problem.evaluate(x)
     return tuple(
-        Offset(name=output.name, error=float(there - without), output=output)
+        BlunderError(name=output.name, error=float(there - without), output=output)
         for output, (without, there) in zip(problem.outputs, errors, strict=True)
     )
 
 
-def costs(procedure: Procedure) -> tuple[tuple[Blunder, tuple[Offset, ...]], ...]:
+def costs(procedure: Procedure) -> tuple[tuple[Blunder, tuple[BlunderError, ...]], ...]:
     """Return what each mistake adds to triads without errors of their own.
 
     Of a parameter the axis that is moved most, or all where they move alike. What
@@ -273,7 +273,7 @@ def _counting(
     sensors: Iterable[Sensor],
     u: Mapping[Name, float],
     limits: Mapping[Name, float],
-) -> tuple[Offset, ...]:
+) -> tuple[BlunderError, ...]:
     """Return the offsets that are more than their share of u or of a limit."""
     return _moved(
         one
@@ -381,14 +381,14 @@ def _values_for_uncertainties(procedure: Procedure) -> tuple[str, ...]:
     )
 
 
-def _ideal(blunder: Blunder) -> tuple[Offset, ...]:
+def _ideal(blunder: Blunder) -> tuple[BlunderError, ...]:
     """Return the largest of what it adds to triads without errors, by parameter."""
     return _moved(_of_ideal(blunder))
 
 
 # Of the procedure alone: thousands of devices share a few.
 @lru_cache(maxsize=64)
-def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
+def _of_ideal(blunder: Blunder) -> tuple[BlunderError, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
         Sensor(
@@ -409,9 +409,9 @@ def _of_ideal(blunder: Blunder) -> tuple[Offset, ...]:
         return ()
 
 
-def _moved(found: Iterable[Offset]) -> tuple[Offset, ...]:
+def _moved(found: Iterable[BlunderError]) -> tuple[BlunderError, ...]:
     """Return of each parameter the largest offset, of all axes where they are alike."""
-    groups: dict[Name, list[Offset]] = {}
+    groups: dict[Name, list[BlunderError]] = {}
     for one in found:
         if inf > abs(one.error) > LEAST * one.output.resolution:
             groups.setdefault(one.name.group, []).append(one)
@@ -426,7 +426,9 @@ def _moved(found: Iterable[Offset]) -> tuple[Offset, ...]:
 
 
 def _adding(
-    moved: Iterable[Offset], beside: Mapping[Name, float] | None = None, what: str = ""
+    moved: Iterable[BlunderError],
+    beside: Mapping[Name, float] | None = None,
+    what: str = "",
 ) -> list[tuple[str, Name, str, float, str]]:
     """Return offsets, their outputs, and what they stand beside, where that is known.
 

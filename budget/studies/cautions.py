@@ -12,7 +12,7 @@ from budget.calibration.mission import not_carried
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.inputs.specification import time_of
-from budget.model.source import Change, Coefficient, Disturbance, Nonlinearity
+from budget.model.source import Coefficient, Disturbance, Nonlinearity, TurnOnChange
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
+    from budget.question import Question
     from budget.results import Budget, OutputBudget
-    from budget.studies.request import Analysis
 
 # Trials that a tail of the interval should hold at the least: JCGM 101:2008, 7.2.2 asks
 # for M much larger than 1/(1 - p).
@@ -122,15 +122,15 @@ class Unfelt:
     needs: str  # else: what is not there that it takes
 
 
-def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
+def unfelt(question: Question) -> tuple[Unfelt, ...]:
     """Find what is given and reaches no parameter of this test: what removes it, lacks.
 
     Disturbances, changes and coefficients only: that an offset is shared by the
     reference is said elsewhere. Nothing where only some sources count.
     """
-    if analysis.only is not None:
+    if question.only is not None:
         return ()
-    whole = analysis if analysis.asked is None else replace(analysis, asked=None)
+    whole = question if question.asked is None else replace(question, asked=None)
     problem, law, sensors = whole.problem, whole.law, whole.sensors
     zero = np.array([output.resolution**2 for output in problem.outputs])
     first_order = [
@@ -179,7 +179,7 @@ def unfelt(analysis: Analysis) -> tuple[Unfelt, ...]:
         *(
             Unfelt(source=name, removed="", needs=described(effect.needs))
             for name, effect in effects
-            if isinstance(effect, Disturbance | Change | Coefficient)
+            if isinstance(effect, Disturbance | TurnOnChange | Coefficient)
         ),
     )
 
@@ -266,15 +266,15 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
     return tuple(said)
 
 
-def saturated(analysis: Analysis) -> tuple[str, ...]:
+def saturated(question: Question) -> tuple[str, ...]:
     """Name the axes that the mission asks for more than they read; () of a test.
 
     Of what has limits the verdict says it.
     """
-    mission = analysis.journey
-    if mission is None or analysis.requirement is not None:
+    mission = question.journey
+    if mission is None or question.requirement is not None:
         return ()
-    return tuple(one.said for one in saturations(analysis.sensors, mission))
+    return tuple(one.said for one in saturations(question.sensors, mission))
 
 
 # What no usual vehicle does, so that a wrong unit is likelier. Which one it is nobody

@@ -2,7 +2,7 @@
 
 The larger of what the worst comparable device of the catalogue prints, which has the
 same sensor, family of technology and grade, and the 97.5 % point of the prediction
-(budget.studies.prediction), which there is of expected lines:
+(budget.missing.prediction), which there is of expected lines:
 
     u_c = max(max over comparable of |u|, exp(m + t(0.975; df) s)),
 
@@ -20,11 +20,11 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from budget.inputs.specification import time_of
+from budget.missing import line_of, shipped_devices
+from budget.missing.grades import FAMILIES, UNKNOWN, family, grade
+from budget.missing.prediction import figures_of, predict, stand_in
 from budget.model.sources.later import AGEING, growth
 from budget.names import Name
-from budget.studies.grades import FAMILIES, UNKNOWN, family, grade
-from budget.studies.missing import line_of, shipped_devices
-from budget.studies.prediction import figures_of, predict, stand_in
 from budget.ties import first_largest
 from budget.units import YEAR
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import Sensor
     from budget.problem import Output, Problem
-    from budget.studies.request import Analysis
+    from budget.question import Question
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -89,29 +89,29 @@ def outputs_of(sensor: Sensor, parameters: Problem) -> tuple[Output, ...]:
 
 
 def compensations(
-    analysis: Analysis,
+    question: Question,
 ) -> tuple[dict[str, Compensation], tuple[str, ...]]:
     """Return the matrices of every triad, and of which there are none, in words."""
     found: dict[str, Compensation] = {}
     absent = []
-    for sensor in analysis.sensors:
+    for sensor in question.sensors:
         kind = sensor.kind
-        known = estimated(kind, analysis.procedure)
+        known = estimated(kind, question.procedure)
         needed = [n for n in parameters_of(kind) if n.quantity != "scale_factor"]
         if held := [name for name in needed if name not in known]:
             absent.append(
                 sentence(
                     "cautions.no_matrices",
                     sensor=kind,
-                    procedure=analysis.procedure.name,
+                    procedure=question.procedure.name,
                     parameters=by_group(held),
                 )
             )
             continue
-        parameters = replace(analysis.alone(kind), requirement=None).problem
+        parameters = replace(question.alone(kind), requirement=None).problem
         invert = inversion_of(sensor, parameters)
         problem = parameters.then(invert, outputs_of(sensor, parameters))
-        lacks = {name.quantity for name in needed if analysis.lacks[name]}
+        lacks = {name.quantity for name in needed if question.lacks[name]}
         found[kind] = Compensation(
             sensor=kind,
             outputs=problem.outputs,

@@ -11,7 +11,9 @@ from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
+from budget.missing.expected import missing_of
 from budget.names import MISSION
+from budget.question import question_of
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.studies.ceilings import ceilings
 from budget.studies.doubt import doubt_of
@@ -25,9 +27,7 @@ from budget.studies.judgement import (
     screen,
     together,
 )
-from budget.studies.lower_bounds import missing_of
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.request import analysis_of
 from budget.studies.verdicts import Case, Margin, completed, decide
 from budget.ties import first_largest
 
@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, ErrorLine, Requirement
     from budget.names import Name
+    from budget.question import Question
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
     from budget.studies.judgement import Judged, Limited
-    from budget.studies.request import Analysis
 
 AS_PRINTED = 1.05  # times u that is the same to half a digit of the two printed [1]
 
@@ -76,7 +76,7 @@ def assess(
         The budget has another coverage or reference, or the requirement sets no limit
         for any sensor that is there.
     """
-    analysis, wanted = analysis_of(budget), load_requirement(requirement)
+    question, wanted = question_of(budget), load_requirement(requirement)
     found, settings = budget.assessment, budget.settings
     if found is not None and found.requirement == wanted.name:
         return found
@@ -90,11 +90,11 @@ def assess(
             f"and {wanted.reference}; compute it with those"
         )
     if devices:
-        analysis = replace(analysis, devices=load_devices(devices))
-    return _assess(analysis, wanted, seed=settings.seed)
+        question = replace(question, devices=load_devices(devices))
+    return _assess(question, wanted, seed=settings.seed)
 
 
-def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Assessment:
+def _assess(question: Question, requirement: Requirement, *, seed: int) -> Assessment:
     """Judge every triad that has limits, each as if the other were not there.
 
     What belongs to both is judged with both.
@@ -102,9 +102,9 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
     outputs: list[OutputAssessment] = []
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
-    kinds = [sensor.kind for sensor in analysis.sensors]
-    for owner in _owners(analysis, requirement):
-        own = replace(analysis, requirement=requirement).alone(owner)
+    kinds = [sensor.kind for sensor in question.sensors]
+    for owner in _owners(question, requirement):
+        own = replace(question, requirement=requirement).alone(owner)
         held = limit_problem(own.problem, requirement)
         if held is None:
             continue
@@ -135,7 +135,7 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         sensors=tuple(verdicts),
         conformance=together(found)
         if found
-        and analysis.filled.prediction is None
+        and question.filled.prediction is None
         and not any(one.standing.saturates for one in verdicts)
         else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
@@ -143,27 +143,27 @@ def _assess(analysis: Analysis, requirement: Requirement, *, seed: int) -> Asses
         caps=tuple(
             _cap(device, merit, cap)
             for merit, cap in requirement.caps
-            for device in analysis.devices
+            for device in question.devices
         ),
     )
 
 
-def margins(analysis: Analysis) -> Iterator[tuple[str, Case, Margin]]:
+def margins(question: Question) -> Iterator[tuple[str, Case, Margin]]:
     """Yield by sensor what its verdict has room for, by the law alone."""
-    if analysis.requirement is None:
+    if question.requirement is None:
         return
-    for owner in _owners(analysis, analysis.requirement):
-        own = analysis.alone(owner)
-        held = limit_problem(own.problem, analysis.requirement)
+    for owner in _owners(question, question.requirement):
+        own = question.alone(owner)
+        held = limit_problem(own.problem, question.requirement)
         if held is None or not any(sensor.lines for sensor in own.sensors):
             continue
-        case = _case(own, analysis.requirement)
+        case = _case(own, question.requirement)
         judged = screen(held, own.law, seed=0)
         yield owner, case, Margin.of(case, held, own.law, judged, seed=0)
 
 
 def open_to(
-    analysis: Analysis, assessment: Assessment
+    question: Question, assessment: Assessment
 ) -> Mapping[Name, tuple[Name, ...]]:
     """Return by output the lines that are not given and that its number is open to.
 
@@ -174,23 +174,23 @@ def open_to(
     names = tuple(dict.fromkeys(name for own in spared.values() for name in own))
     tops = {
         name: one.line
-        for device in analysis.devices
+        for device in question.devices
         for own in [{sensor.kind for sensor in device.sensors}]
         for name, one in ceilings(
-            device, [name for name in names if name.owner in own], analysis.catalogue
+            device, [name for name in names if name.owner in own], question.catalogue
         ).items()
     }
     if not tops:
-        return analysis.lacks
+        return question.lacks
     whole = replace(
-        analysis, devices=tuple(_with_lines(one, tops) for one in analysis.devices)
+        question, devices=tuple(_with_lines(one, tops) for one in question.devices)
     )
-    least = np.array([output.resolution for output in analysis.problem.outputs]) ** 2
-    variance = np.diag(analysis.law.covariance)
+    least = np.array([output.resolution for output in question.problem.outputs]) ** 2
+    variance = np.diag(question.law.covariance)
     same = np.diag(whole.law.covariance) <= np.maximum(AS_PRINTED**2 * variance, least)
     is_same = {
         output.name: bool(one)
-        for output, one in zip(analysis.problem.outputs, same, strict=True)
+        for output, one in zip(question.problem.outputs, same, strict=True)
     }
     return {
         output: tuple(
@@ -202,7 +202,7 @@ def open_to(
                 and name in spared.get(output.owner, ())
             )
         )
-        for output, lacks in analysis.lacks.items()
+        for output, lacks in question.lacks.items()
     }
 
 
@@ -215,18 +215,18 @@ def _with_lines(device: Device, lines: Mapping[Name, ErrorLine]) -> Device:
     return replace(device, gyro=gyro, accelerometer=other)
 
 
-def _owners(analysis: Analysis, requirement: Requirement) -> Iterator[str]:
+def _owners(question: Question, requirement: Requirement) -> Iterator[str]:
     """Yield what has limits that can be judged: triads, both of them, the mission."""
     limited = requirement.outputs
-    if analysis.carried_to is None:
-        kinds = [sensor.kind for sensor in analysis.sensors]
-        known = known_outputs(kinds, analysis.procedure)
+    if question.carried_to is None:
+        kinds = [sensor.kind for sensor in question.sensors]
+        known = known_outputs(kinds, question.procedure)
         yield from dict.fromkeys(name.owner for name in known if name in limited)
-    if analysis.mission is not None and MISSION in requirement.kinds:
+    if question.mission is not None and MISSION in requirement.kinds:
         yield MISSION
 
 
-def _case(own: Analysis, requirement: Requirement) -> Case:
+def _case(own: Question, requirement: Requirement) -> Case:
     """Return what a verdict on a sensor, or on what belongs to both, is of."""
     return Case(
         devices=own.devices,
@@ -240,7 +240,7 @@ def _case(own: Analysis, requirement: Requirement) -> Case:
     )
 
 
-def _readings(own: Analysis, judged: Judged, seed: int) -> ReadingVerdicts | None:
+def _readings(own: Question, judged: Judged, seed: int) -> ReadingVerdicts | None:
     """Judge one triad under its readings; what belongs to both is not.
 
     Neither is what rests on predicted lines, whose verdict is a probability.
@@ -269,7 +269,7 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
 
 def _verdict(
     owner: str,
-    own: Analysis,
+    own: Question,
     requirement: Requirement,
     held: Limited,
     judged: Judged,

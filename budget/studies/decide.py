@@ -1,4 +1,4 @@
-"""What to buy for a need: which device, after which calibration, on which station."""
+"""Purchase decision: which device, after which calibration, on which station."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.names import Name
     from budget.problem import Output
+    from budget.question import Question
     from budget.results import Assessment, Budget
-    from budget.studies.request import Analysis
 
 TRIALS = 100_000
 # Of a normal output a bin is 0.07 u wide and the highest has 3,000 trials: uneven by
@@ -48,7 +48,7 @@ class Density:
 
 
 def critical_densities(
-    analysis: Analysis,
+    question: Question,
     budget: Budget,
     assessment: Assessment | None,
     *,
@@ -68,7 +68,7 @@ def critical_densities(
     wanted = _critical(budget, assessment)
     if not wanted:
         return ()
-    problem, law = analysis.problem, analysis.law
+    problem, law = question.problem, question.law
     rows = [k for k, output in enumerate(problem.outputs) if output.name in wanted]
     ends = law.interval(settings.coverage)
     values = first_trials(problem, trials=trials, seed=settings.seed, outputs=rows)

@@ -7,7 +7,7 @@ factor k of each output as it was judged, a device meets where
 
 c_m being the variance that a missing line of size 1 makes, and V_0 all the rest, with
 products of two lines as they are at the medians. With ln s of a joint Student t
-(budget.studies.prediction), p = P(meets) and the doubt is D = min(p, 1 - p), the risk
+(budget.missing.prediction), p = P(meets) and the doubt is D = min(p, 1 - p), the risk
 of the likelier verdict. Knowledge of line m is worth
 
     D(p) - E[ D( P(meets | s_m) ) ] >= 0,
@@ -25,9 +25,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.execution import small_blocks
+from budget.missing.prediction import stand_in
 from budget.names import Name
 from budget.results import Ask, Doubt
-from budget.studies.prediction import stand_in
 from budget.ties import from_largest, settle
 
 if TYPE_CHECKING:
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.methods.gum import Propagation
+    from budget.missing.prediction import Prediction
     from budget.studies.judgement import Judged, Limited
-    from budget.studies.prediction import Prediction
 
 STRATA = 64  # of equal probability, of the line that becomes known
 POINTS = 2**15  # in all of them

@@ -11,11 +11,11 @@ from budget.studies.densities import critical_densities
 from budget.studies.what_if import what_if
 
 if TYPE_CHECKING:
+    from budget.question import Question
     from budget.results import Assessment, Budget
     from budget.studies.cautions import Unfelt
     from budget.studies.coupling import CouplingTable
     from budget.studies.densities import Density
-    from budget.studies.request import Analysis
     from budget.studies.what_if import WhatIf
 
 
@@ -32,7 +32,7 @@ class Evidence:
 
 
 def gather_evidence(
-    analysis: Analysis,
+    question: Question,
     budget: Budget,
     assessment: Assessment | None = None,
     *,
@@ -45,15 +45,15 @@ def gather_evidence(
     """
     return Evidence(
         coupling=coupling_by_law(
-            analysis.problem, analysis.law, analysis.procedure.formulas
+            question.problem, question.law, question.procedure.formulas
         )
         if full
         else None,
-        densities=critical_densities(analysis, budget, assessment)
+        densities=critical_densities(question, budget, assessment)
         if full or in_doubt(budget)
         else (),
-        what_if=what_if(analysis, budget=budget, carried=carried),
-        unfelt=unfelt(analysis),
+        what_if=what_if(question, budget=budget, carried=carried),
+        unfelt=unfelt(question),
     )
 
 

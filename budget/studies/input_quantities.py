@@ -27,15 +27,15 @@ from budget.inputs.specification import (
     SIGMAS,
     divisor,
 )
+from budget.question import given_lines
 from budget.results import InputQuantity
-from budget.studies.request import given_lines
 from budget.units import WALK_PER_DENSITY
 
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine
     from budget.names import Name
-    from budget.studies.request import Analysis
+    from budget.question import Question
 
 REACHES = 1e-6  # part of the largest input's contribution that is one too [1]
 
@@ -49,20 +49,20 @@ class Sensitivity:
     unit: float  # size of the unit of the line [SI]
 
 
-def input_quantities(analysis: Analysis) -> tuple[InputQuantity, ...]:
+def input_quantities(question: Question) -> tuple[InputQuantity, ...]:
     """Return the lines that a budget is made of, in the order of its sources."""
-    lines = _lines(analysis)
-    origins = {one.source: one.origin for one in analysis.filled.lines}
+    lines = _lines(question)
+    origins = {one.source: one.origin for one in question.filled.lines}
     return tuple(
         _quantity(group.name, lines[group.name], origins.get(group.name, ""))
-        for group in analysis.problem.groups
+        for group in question.problem.groups
     )
 
 
-def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
+def sensitivities(question: Question) -> dict[Name, Sensitivity]:
     """Return u(x) and c of every source, for all outputs."""
-    problem, law = analysis.problem, analysis.law
-    lines = _lines(analysis)
+    problem, law = question.problem, question.law
+    lines = _lines(question)
     found = {}
     for group, rows, variance in zip(
         problem.groups, problem.slices, law.source_first_order, strict=True
@@ -70,7 +70,7 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
         line = lines[group.name]
         of_inputs = (
             line_u_of_inputs(group.name.owner, line, group)
-            if analysis.journey is None
+            if question.journey is None
             else np.full(group.size, line.largest)
         )
         each = np.abs(law.C[:, rows]) * np.sqrt(np.diag(group.covariance))
@@ -82,12 +82,12 @@ def sensitivities(analysis: Analysis) -> dict[Name, Sensitivity]:
     return found
 
 
-def _lines(analysis: Analysis) -> dict[Name, ErrorLine]:
+def _lines(question: Question) -> dict[Name, ErrorLine]:
     """Return every line that is given, of all triads that are looked at."""
-    there = with_accelerometers(analysis.sensors, analysis.procedure)
-    is_mission = analysis.journey is not None
+    there = with_accelerometers(question.sensors, question.procedure)
+    is_mission = question.journey is not None
     return given_lines(
-        there, analysis.procedure, every=is_mission, mission=analysis.journey
+        there, question.procedure, every=is_mission, mission=question.journey
     )
 
 

@@ -1,4 +1,4 @@
-"""Limits that are to be kept together: one utilisation, and what it would become.
+"""Limits on several outputs together: their joint probability as one utilisation.
 
 Errors e_i are within their limits L_i, all at once, with the probability p or more
 where

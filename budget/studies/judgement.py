@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.aiding import problem_of_mission
 from budget.calibration.derived import outputs_for
 from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
@@ -38,6 +39,7 @@ from budget.methods.largest import (
 )
 from budget.methods.normality import end_accuracy
 from budget.methods.trials import first_trials
+from budget.question import on_mission
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
@@ -45,9 +47,7 @@ from budget.results import (
     OutputAssessment,
     Probability,
 )
-from budget.studies.aiding import problem_of_mission
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
-from budget.studies.request import on_mission
 from budget.ties import ALIKE, equal_to, first_largest, settle
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""What the filter of an aided mission has learnt, and what it believes."""
+"""States of the Kalman filter of a mission: sensor errors and believed covariance."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.aiding import BIAS, believed, journey_of, overconfident
 from budget.calibration.aiding import SAME
 from budget.calibration.mission import (
     FIRST,
@@ -23,7 +24,6 @@ from budget.names import AXES
 from budget.navigation.aided import Aided
 from budget.navigation.route import Leg, Legs
 from budget.results import Filtered, Learnt, Turned
-from budget.studies.aiding import BIAS, believed, journey_of, overconfident
 from budget.studies.mission import curve
 
 if TYPE_CHECKING:
@@ -31,34 +31,34 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Mission, Requirement
-    from budget.studies.request import Analysis
+    from budget.question import Question
 
 DECIMALS = 9  # of a time in s, which is the sum of steps
 
 
-def filtered(analysis: Analysis) -> Filtered | None:
+def filtered(question: Question) -> Filtered | None:
     """Return what the filter of a mission has found out, and what it believes.
 
     None of a calibration, and of a unit that navigates by itself.
     """
-    mission = analysis.journey
-    if mission is None or not mission.aiding or analysis.outputs is None:
+    mission = question.journey
+    if mission is None or not mission.aiding or question.outputs is None:
         return None
-    times = Places.of(analysis.outputs).times
-    journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
+    times = Places.of(question.outputs).times
+    journey = journey_of(mission, times, question.sensors, question.procedure)
     if not isinstance(journey, Aided):
         return None
     return Filtered(
         kind="optimal" if mission.filter is None else "own",
         states=journey.filter.size,
         updates=journey.filter.updates,
-        learnt=tuple(_learnt(analysis, journey, mission)),
+        learnt=tuple(_learnt(question, journey, mission)),
         believed=tuple(
             believed(
-                journey, analysis.problem.outputs, analysis.law.standard_uncertainty
+                journey, question.problem.outputs, question.law.standard_uncertainty
             )
         ),
-        turned=_turned(analysis, mission),
+        turned=_turned(question, mission),
     )
 
 
@@ -71,17 +71,17 @@ def too_sure(
     return overconfident(found.believed)
 
 
-def _learnt(analysis: Analysis, journey: Aided, mission: Mission) -> Iterator[Learnt]:
+def _learnt(question: Question, journey: Aided, mission: Mission) -> Iterator[Learnt]:
     """Yield what is left of the biases where aids end, and what was there before."""
-    sensors, procedure = on_the_way(analysis.sensors, analysis.procedure)
+    sensors, procedure = on_the_way(question.sensors, question.procedure)
     constants = constants_problem(sensors, procedure)
     U = covariance_by_source(constants, derivatives(constants)).sum(axis=0)
     names = [output.name for output in constants.outputs]
     columns = columns_of(names, tuple(map(Sensing.of, sensors)))
     growth = journey.filter.growth
     biases = columns(growth.first) * [name.quantity == BIAS for name in names]
-    rate = analysis.procedure.sample_rate
-    lines = noises_of(analysis.sensors, sample_rate=rate)
+    rate = question.procedure.sample_rate
+    lines = noises_of(question.sensors, sample_rate=rate)
     noises = [part for _, parts in lines for part in parts if part.u]
     t = np.cumsum(growth.steps.durations)[list(growth.steps.asked)]
     for end in _ends(mission, t):
@@ -117,7 +117,7 @@ def _ends(mission: Mission, t: Array) -> tuple[int, ...]:
     return tuple(dict.fromkeys(found[found >= 0].tolist()))
 
 
-def _turned(analysis: Analysis, mission: Mission) -> Turned | None:
+def _turned(question: Question, mission: Mission) -> Turned | None:
     """Return how far off it ends, and had it turned by 180 deg where the aids end.
 
     None of one that does not go straight on from there. What a filter cannot tell apart
@@ -139,22 +139,22 @@ def _turned(analysis: Analysis, mission: Mission) -> Turned | None:
         Leg(duration=half),
     )
     straight, turned = (
-        _ends_off(replace(analysis, mission=one), one, route.duration)
+        _ends_off(replace(question, mission=one), one, route.duration)
         for one in (mission, replace(mission, route=replace(route, legs=back)))
     )
     return Turned(time=route.duration, straight=straight, turned=turned)
 
 
-def _ends_off(analysis: Analysis, mission: Mission, end: float) -> float:
+def _ends_off(question: Question, mission: Mission, end: float) -> float:
     """Return the root of the variances north and east at the end of a mission [m].
 
     Of a filter that believes what is true it is what that believes: no source is
     traced back.
     """
     if mission.filter is not None:
-        return float(curve(replace(analysis, carried_to=(end,)), (end,)).drms()[-1])
-    asked = Places.of(analysis.outputs or ()).times
+        return float(curve(replace(question, carried_to=(end,)), (end,)).drms()[-1])
+    asked = Places.of(question.outputs or ()).times
     times = asked if asked[-1:] == (end,) else (end,)  # with a filter that there is
-    journey = journey_of(mission, times, analysis.sensors, analysis.procedure)
+    journey = journey_of(mission, times, question.sensors, question.procedure)
     C = journey.believed[-1] if isinstance(journey, Aided) else np.zeros((2, 2))
     return float(np.sqrt(C[0, 0] + C[1, 1]))

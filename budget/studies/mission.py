@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.aiding import few_times, journey_of
 from budget.calibration.aiding import SAME, lines_of_mission
 from budget.calibration.mission import (
     SEEN,
@@ -23,10 +24,9 @@ from budget.inputs.records import FACTORY, UNCALIBRATED
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.methods.radius import principal_variances, radius_of
 from budget.names import AIDING, ALIGNMENT, HORIZONTAL, LENGTHS, MISSION, Name
+from budget.question import question_of, seconds
 from budget.results import CEP, INTERACTION, R95, Calibrated
-from budget.studies.aiding import few_times, journey_of
 from budget.studies.mixture import ONE_SIGMA, Mixture
-from budget.studies.request import analysis_of, seconds
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Mission
+    from budget.question import Question
     from budget.results import Budget
-    from budget.studies.request import Analysis
 
 POINTS = 100  # of a curve, where nobody asks for more
 DRAWN = 32  # of a figure
@@ -175,17 +175,17 @@ def growth(budget: Budget, times: Iterable[float | str] | None = None) -> Curve:
     CallError
         It is of no mission, or that ends before one of the times, or they are none.
     """
-    analysis = analysis_of(budget)
-    if times is None or analysis.journey is None:
-        return curve(analysis)
+    question = question_of(budget)
+    if times is None or question.journey is None:
+        return curve(question)
     found = tuple(sorted(map(seconds, times)))
-    last = analysis.journey.route.duration
+    last = question.journey.route.duration
     if not found or not (found[0] > 0.0 and found[-1] <= last):
         raise CallError(f"times are {found}, expected some above 0 s and to {last:g} s")
-    return curve(analysis, found)
+    return curve(question, found)
 
 
-def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
+def curve(question: Question, times: Sequence[float] | None = None) -> Curve:
     """Carry the law of a calibration along a mission, exactly, without its Problem.
 
     The map is linear: at each time S U S^T of every source's covariance U, and what its
@@ -193,7 +193,7 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
 
     Parameters
     ----------
-    analysis : Analysis
+    question : Question
         Of a mission.
     times : sequence of float, optional
         [s], rising, above 0, to its end; POINTS of them evenly without it.
@@ -203,14 +203,14 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
     CallError
         It is of no mission.
     """
-    mission = analysis.journey
+    mission = question.journey
     if mission is None:
         raise CallError("this is of a calibration alone; give a mission")
     if times is None:
         times = np.linspace(0.0, mission.route.duration, POINTS + 1)[1:].tolist()
-    whole = journey_of(mission, tuple(times), analysis.sensors, analysis.procedure)
-    sensors, procedure = on_the_way(analysis.sensors, analysis.procedure)
-    constants = constants_problem(sensors, procedure, only=analysis.only)
+    whole = journey_of(mission, tuple(times), question.sensors, question.procedure)
+    sensors, procedure = on_the_way(question.sensors, question.procedure)
+    constants = constants_problem(sensors, procedure, only=question.only)
     each = covariance_by_source(constants, derivatives(constants))
     lines = (
         *(group.name for group in constants.groups),
@@ -224,12 +224,12 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         more = len(lines) - len(each)
         C = np.insert(made, [len(each) - 1] * more, 0.0, axis=0)
         here = np.arange(len(S))
-        parts = dict(of_aiding(journey, only=analysis.only))
+        parts = dict(of_aiding(journey, only=question.only))
         parts |= noise_in_run(
-            analysis.sensors,
+            question.sensors,
             journey,
-            sample_rate=analysis.procedure.sample_rate,
-            only=analysis.only,
+            sample_rate=question.procedure.sample_rate,
+            only=question.only,
         )
         for name, one in parts.items():
             C[lines.index(name)] += one[here, :, here]
@@ -238,11 +238,11 @@ def curve(analysis: Analysis, times: Sequence[float] | None = None) -> Curve:
         times=tuple(times),
         sources=lines,
         covariance=np.concatenate(found, axis=1),
-        mixture=Mixture.of(analysis),
+        mixture=Mixture.of(question),
         measured=mission.measured,
         lower_bounds=frozenset(
             (name.quantity, name.axis)
-            for name, lacks in analysis.lacks.items()
+            for name, lacks in question.lacks.items()
             if lacks
         ),
     )
@@ -271,23 +271,23 @@ def drawn_times(mission: Mission, asked: Sequence[float]) -> tuple[float, ...]:
     return tuple(sorted({*even, *own, duration}))
 
 
-def bought(analysis: Analysis, budget: Budget | None = None) -> tuple[Calibrated, ...]:
+def bought(question: Question, budget: Budget | None = None) -> tuple[Calibrated, ...]:
     """Return how far off a unit is after no calibration, its maker's, and this one.
 
     CEP at the times that the mission is looked at; each by the law. Of a test that
     leaves more at the end than the maker's calibration: which line adds most to it.
     `budget`, where there is one, says what of this one is a lower bound.
     """
-    times = analysis.carried_to or ()
+    times = question.carried_to or ()
     if not times:
         return ()
-    own = analysis.procedure
+    own = question.procedure
     tests = {word: without_test(own, word) for word in UNCALIBRATED}
     tests[own.formulas if own.formulas in tests else ""] = own
     found: list[Calibrated] = []
     parts: list[dict[Name, float]] = []  # of the variance at the end, by source
     for procedure in tests.values():
-        one = replace(analysis, procedure=procedure, requirement=None)
+        one = replace(question, procedure=procedure, requirement=None)
         grown = curve(one, times)
         last = grown.horizontal_variance()[:, -1].tolist()
         parts.append(dict(zip(grown.sources, last, strict=True)))

@@ -1,4 +1,4 @@
-"""Predictive mixture: errors over what lines that are not given may be.
+"""Predictive mixture: errors over the predicted values of lines not given.
 
 Of given sizes s of the missing lines the errors are normal, with the covariance
 
@@ -6,7 +6,7 @@ Of given sizes s of the missing lines the errors are normal, with the covariance
 
 C_m being what a line makes at its median, V_0 all the rest, with products of two lines
 as they are at the medians. Over s, with ln s of a joint Student t
-(budget.studies.prediction), an interval or a circle holds with the mean of its
+(budget.missing.prediction), an interval or a circle holds with the mean of its
 probabilities: the radius R of a coverage p solves
 
     E_s[ P(|e| < R given V(s)) ] = p.
@@ -33,16 +33,16 @@ import numpy as np
 from budget.methods.execution import small_blocks
 from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
+from budget.missing.prediction import stand_in
 from budget.names import Name
 from budget.results import INTERACTION
 from budget.studies.doubt import squared_lines
-from budget.studies.prediction import stand_in
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.studies.request import Analysis
+    from budget.question import Question
 
 # Probability that a normal error is within its standard uncertainty [1].
 ONE_SIGMA = 0.6826894921370859
@@ -64,10 +64,10 @@ class Mixture:
     squared: Array  # draws of squared lines over their medians, (n_missing, n) [1]
 
     @classmethod
-    def of(cls, analysis: Analysis) -> Mixture | None:
+    def of(cls, question: Question) -> Mixture | None:
         """Return that of a mission; None where no line of it is predicted."""
-        prediction = analysis.filled.prediction
-        if prediction is None or analysis.journey is None:
+        prediction = question.filled.prediction
+        if prediction is None or question.journey is None:
             return None
         with small_blocks():
             squared = squared_lines(prediction, range(len(prediction.names)))
@@ -106,12 +106,12 @@ class Mixture:
             found[k] = sqrt(size) * _radius(coverage, variances, start)
         return found
 
-    def half_widths(self, coverage: float, analysis: Analysis) -> Array:
+    def half_widths(self, coverage: float, question: Question) -> Array:
         """Return those of symmetric intervals of all outputs, shape (n_out,) [SI].
 
         Of a length the radius; of what no missing line reaches, k u of the law.
         """
-        problem, law = analysis.problem, analysis.law
+        problem, law = question.problem, question.law
         each = covariance_by_source(problem, law)
         alone = np.zeros((len(each), 3, each.shape[1]))
         alone[:, 0] = np.einsum("kii->ki", each)

@@ -20,15 +20,15 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import WEIGHTED
 from budget.inputs.specification import SIDES
 from budget.methods.gum import propagate
+from budget.missing.expected import expecting
 from budget.names import Name
-from budget.results import Reading, ReadingEffect, ReadingVerdicts
+from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
 from budget.studies.judgement import (
     judge,
     limit_problem,
     required_problem,
     screen,
 )
-from budget.studies.lower_bounds import expecting
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -117,7 +117,7 @@ def verdicts_by_reading(
             look = screen if by_law else judge
             judged = look(held, propagate(held.problem), seed=seed)
         found.append(
-            Reading(
+            ReadingVerdict(
                 words=choice,
                 verdict=judged.verdict(held.absent),
                 utilisation=judged.utilisation,

@@ -57,6 +57,7 @@ from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
+from budget.missing.expected import expecting
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -67,11 +68,10 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
+from budget.question import given_lines, not_weighted, sensors_of
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import described, sentence
 from budget.studies.blunders import against_limits
-from budget.studies.lower_bounds import expecting
-from budget.studies.request import given_lines, not_weighted, sensors_of
 from budget.studies.verdicts import Case, stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity

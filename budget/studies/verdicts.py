@@ -1,4 +1,4 @@
-"""Verdicts that can be signed: what overturns them, and what they hold if.
+"""Verdicts with their conditions: what would overturn them, and what they depend on.
 
 On what is given the largest error is within its limit or beyond it
 (budget.studies.judgement). Where it is within, three things may still overturn it: an
@@ -29,6 +29,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.aiding import (
+    believed,
+    journey_of,
+    overconfident,
+    problem_of_mission,
+)
 from budget.calibration.mission import Places, mission_outputs
 from budget.calibration.saturation import (
     UNITS as SHOWN,
@@ -47,6 +53,9 @@ from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
+from budget.missing import Filling, line_of, shipped_devices
+from budget.missing.grades import FAMILIES, family
+from budget.missing.prediction import stand_in
 from budget.model.course import Fading
 from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
 from budget.model.sources.later import (
@@ -65,12 +74,6 @@ from budget.model.sources.temperature import (
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
 from budget.sentences import sentence
-from budget.studies.aiding import (
-    believed,
-    journey_of,
-    overconfident,
-    problem_of_mission,
-)
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
@@ -80,7 +83,6 @@ from budget.studies.ceilings import (
     largest_printed,
     printed_by_others,
 )
-from budget.studies.grades import FAMILIES, family
 from budget.studies.jointly import Jointly, components_of
 from budget.studies.judgement import (
     TRIALS,
@@ -89,8 +91,6 @@ from budget.studies.judgement import (
     limit_problem,
     required_problem,
 )
-from budget.studies.missing import Filling, line_of, shipped_devices
-from budget.studies.prediction import stand_in
 from budget.studies.readings import verdict_of
 from budget.ties import from_largest, settle
 from budget.units import STANDARD_GRAVITY, YEAR, parse_quantity

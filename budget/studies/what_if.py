@@ -40,10 +40,10 @@ from budget.language import axis_title, key_title, say
 from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
+from budget.question import given_lines, limited_but_held, question_of
 from budget.results import BY_LAW
 from budget.sentences import sentence
 from budget.studies.conformity import margins
-from budget.studies.request import analysis_of, given_lines, limited_but_held
 from budget.studies.verdicts import (
     FAILS,
     MEETS,
@@ -65,8 +65,8 @@ if TYPE_CHECKING:
     from budget.inputs.records import ErrorLine
     from budget.methods.gum import Propagation
     from budget.problem import Output
+    from budget.question import Question
     from budget.results import Assessment, Budget
-    from budget.studies.request import Analysis
     from budget.studies.verdicts import Case, Margin
 
 
@@ -426,7 +426,7 @@ def _verdict(sensor: WhatIfSensor, used: float, at_top: float) -> str:
 
 
 def what_if(
-    analysis: Analysis, *, budget: Budget | None = None, carried: Budget | None = None
+    question: Question, *, budget: Budget | None = None, carried: Budget | None = None
 ) -> WhatIf:
     """Set up the budget of devices as a function of their sources.
 
@@ -435,14 +435,14 @@ def what_if(
     analysis, also those on its mission; what else is known on that is of the budget
     carried there.
     """
-    found, required = _what_if(analysis, budget), analysis.requirement
-    is_carried = analysis.mission is not None and analysis.journey is None
+    found, required = _what_if(question, budget), question.requirement
+    is_carried = question.mission is not None and question.journey is None
     if carried is not None:
-        found = _beside(found, _what_if(analysis_of(carried), carried))
+        found = _beside(found, _what_if(question_of(carried), carried))
     elif is_carried and required is not None and MISSION in required.kinds:
-        found = _beside(found, _what_if(analysis.alone(MISSION), budget))
+        found = _beside(found, _what_if(question.alone(MISSION), budget))
     assessment = None if budget is None else budget.assessment
-    return _deciding(_judged(found, analysis, assessment))
+    return _deciding(_judged(found, question, assessment))
 
 
 def _deciding(found: WhatIf) -> WhatIf:
@@ -469,10 +469,10 @@ def _widest(found: WhatIf, share: Array) -> int:
     return first_largest(own if any(own) else share.tolist())
 
 
-def _judged(found: WhatIf, analysis: Analysis, assessment: Assessment | None) -> WhatIf:
+def _judged(found: WhatIf, question: Question, assessment: Assessment | None) -> WhatIf:
     """Give a model what its verdicts need besides the sizes of its sources."""
     own = {one.sensor: one for one in (assessment.sensors if assessment else ())}
-    rooms = {owner: (case, margin) for owner, case, margin in margins(analysis)}
+    rooms = {owner: (case, margin) for owner, case, margin in margins(question)}
     places = {output.name: k for k, output in enumerate(found.outputs)}
     added = np.zeros_like(found.added)
     sensors = []
@@ -552,9 +552,9 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
     )
 
 
-def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
+def _what_if(question: Question, budget: Budget | None) -> WhatIf:
     """Set it up for a calibration or a mission alone."""
-    problem, law, required = analysis.problem, analysis.law, analysis.requirement
+    problem, law, required = question.problem, question.law, question.requirement
     held_against = None if budget is None else budget.assessment
     bounds = {
         row.output.name: row.lower_bound
@@ -562,10 +562,10 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
     given = given_lines(
-        analysis.sensors,
-        analysis.procedure,
-        every=analysis.journey is not None,
-        mission=analysis.journey,
+        question.sensors,
+        question.procedure,
+        every=question.journey is not None,
+        mission=question.journey,
     )
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
     own = (
@@ -574,30 +574,30 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
         else {r.output: required.coverage_of(r) for r in required.limits}
     )
     names = [output.name for output in problem.outputs]
-    coverages = np.array([own.get(name, analysis.coverage) for name in names])
+    coverages = np.array([own.get(name, question.coverage) for name in names])
     scaled = scaled_law(problem, law).select_sources(varying)
     factor, shift = _shape(law, coverages, budget)
     factor /= scaled.roundness(np.ones(len(varying)), coverages)
     # The components of a length need not have been asked for.
-    asked = names if analysis.outputs is None else analysis.outputs
+    asked = names if question.outputs is None else question.outputs
     rows = [k for k, name in enumerate(names) if name in asked]
     outputs = tuple(problem.outputs[k] for k in rows)
     doubts = {} if budget is None else _doubts(budget)
-    triads = {sensor.kind: (sensor,) for sensor in analysis.sensors}
+    triads = {sensor.kind: (sensor,) for sensor in question.sensors}
     owners = dict.fromkeys((*triads, *(name.owner for name in names)))
-    held = limited_but_held(triads, analysis.procedure, limits)
-    prediction = analysis.filling.prediction
+    held = limited_but_held(triads, question.procedure, limits)
+    prediction = question.filling.prediction
     predicted = () if prediction is None else prediction.names
     return WhatIf(
-        coverage=analysis.coverage,
-        reference=analysis.reference,
+        coverage=question.coverage,
+        reference=question.reference,
         sensors=tuple(
             WhatIfSensor(
                 name=owner,
                 missing=(
                     *(
                         name
-                        for sensor in triads.get(owner, analysis.sensors)
+                        for sensor in triads.get(owner, question.sensors)
                         for name in sensor.expected_missing
                     ),
                     *(
@@ -618,7 +618,7 @@ def _what_if(analysis: Analysis, budget: Budget | None) -> WhatIf:
         limit=tuple(limits.get(output.name) for output in outputs),
         coverages=coverages[rows],
         lower_bound=tuple(
-            bounds.get(output.name, bool(analysis.lacks[output.name]))
+            bounds.get(output.name, bool(question.lacks[output.name]))
             for output in outputs
         ),
         law=scaled.select([output.name for output in outputs]),

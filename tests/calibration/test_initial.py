@@ -18,9 +18,9 @@ from budget.errors import CallError
 from budget.inputs import load_mission, load_procedure, uncalibrated
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
+from budget.missing.expected import expecting, lacking_of_mission
 from budget.model.sources import lines_of
 from budget.names import Name, parameters_of
-from budget.studies.lower_bounds import expecting, lacking_of_mission
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")

@@ -10,6 +10,7 @@ from acting import triads
 from builders import line, procedure
 from numpy.testing import assert_allclose
 
+from budget.aiding import problem_of_mission
 from budget.calibration.mission import (
     constants_problem,
     mission_outputs,
@@ -19,7 +20,6 @@ from budget.calibration.mission import (
 from budget.inputs import load_mission, uncalibrated
 from budget.inputs.use import in_use
 from budget.methods.gum import propagate
-from budget.studies.aiding import problem_of_mission
 from budget.units import DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 
 TIMES = (60.0, 200.0)

@@ -10,7 +10,7 @@ from saying import assert_says
 import budget
 from budget.errors import SpecError
 from budget.inputs import load_all, load_device, load_variants, variants
-from budget.studies.grades import grade
+from budget.missing.grades import grade
 
 
 @pytest.fixture

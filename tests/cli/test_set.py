@@ -14,9 +14,9 @@ from saying import assert_says
 
 from budget import load_catalogue, load_device
 from budget.cli import app
+from budget.missing import fill
 from budget.names import Name
 from budget.resources import shipped
-from budget.studies.missing import fill
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 

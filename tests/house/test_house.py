@@ -17,13 +17,15 @@ from sources import nodes_of
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
 FLOORS = (
-    ("version", "arrays", "errors", "names", "earth", "ties", "journal"),
+    ("version", "arrays", "errors", "names", "earth", "ties", "journal", "views"),
     ("units", "language", "resources", "documents"),
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
     ("results",),
     ("calibration", "methods"),
+    ("aiding", "missing"),
+    ("question",),
     ("studies",),
     ("references",),
     ("report",),

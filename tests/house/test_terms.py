@@ -5,9 +5,10 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+from collections import Counter
 
 import pytest
-from places import DOCS, ROOT, SHIPPED
+from places import DOCS, PACKAGE, ROOT, SHIPPED
 from sources import nodes_of
 
 import budget
@@ -86,3 +87,45 @@ def test_a_vague_verb_is_seen(tmp_path):
     assert [one for text in written(path) for one in vague(text)] == [" makes "]
     assert vague(CODE.sub("", "it `holds`\n```\nmakes\n```\n")) == []
     assert vague("which causes it") == ["which causes it"]
+
+
+# Of rooms that are being built anew.
+OPEN = {
+    *("Asked", "Change", "Checked", "Density", "Document", "Group", "Judged", "Known"),
+    *("Panel", "Row", "Side"),
+}
+
+
+def twofold(paths):
+    """Return the names that several classes have, none of them inside of another."""
+    found = Counter(
+        node.name
+        for path in paths
+        for node in nodes_of(path)
+        if isinstance(node, ast.ClassDef)
+    )
+    return {name for name, number in found.items() if number > 1}
+
+
+def test_one_word_has_one_meaning(tmp_path):
+    """No two classes of the package have one name; two that have are seen."""
+    assert twofold(PACKAGE.rglob("*.py")) <= OPEN
+    (tmp_path / "one.py").write_text("class Limit:\n    pass\n", encoding="utf-8")
+    (tmp_path / "other.py").write_text(
+        "class Limit(str):\n    pass\n", encoding="utf-8"
+    )
+    assert twofold(tmp_path.glob("*.py")) == {"Limit"}
+
+
+def test_no_floor_names_a_module_of_one_above():
+    """What a module loads by its name stands in its own room, or in none of ours."""
+    names = {
+        (path.name, node.value)
+        for path in SHIPPED
+        if path.parent != PACKAGE or path.name != "__init__.py"
+        for node in nodes_of(path)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        if re.fullmatch(r"budget(\.\w+)+", node.value)
+        and not path.is_relative_to(PACKAGE / node.value.split(".")[1])
+    }
+    assert names == set()

@@ -20,6 +20,7 @@ from jsonschema import Draft202012Validator
 from places import ROOT
 
 import budget
+from budget.aiding import journey_of
 from budget.calibration.mission import mission_outputs, mission_problem, of_aiding
 from budget.calibration.problem import calibration_problem
 from budget.calibration.saturation import Peak, beyond
@@ -34,7 +35,6 @@ from budget.model.sources import SENSORS, lines_of, walk_of
 from budget.model.sources.later import AGEING
 from budget.names import ORDERS
 from budget.navigation.growth import AxisNoise, Markov
-from budget.studies.aiding import journey_of
 from budget.studies.allocation.allocate import allocate
 from budget.studies.verdicts import VERDICTS
 

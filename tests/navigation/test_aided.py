@@ -14,8 +14,15 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
 
-from budget.navigation.aided import Aid, Aided, Belief, Drift, Filter
-from budget.navigation.growth import AxisNoise, Growth, Markov, Rounding, Walk, White
+from budget.navigation.aided import Aid, Aided, Belief, Drift, KalmanFilter
+from budget.navigation.growth import (
+    AxisNoise,
+    Growth,
+    Markov,
+    Rounding,
+    UnitRandomWalk,
+    UnitWhiteNoise,
+)
 from budget.navigation.route import Steps
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
@@ -107,7 +114,7 @@ def noises_of(unit):
         for owner in INPUT
         for name, noise in (
             (f"{owner}.stability", Markov(times=(TAU,))),
-            (f"{owner}.walk", White()),
+            (f"{owner}.walk", UnitWhiteNoise()),
         )
     }
 
@@ -157,7 +164,7 @@ def aided(unit, duration, *, noises=None, drift=None, believed=None, ends=None):
     )
     asked = tuple(range(duration - 1, duration + len(LATER)))
     return Aided(
-        filter=Filter(growth=growth, belief=belief, kept=frozenset(asked)),
+        filter=KalmanFilter(growth=growth, belief=belief, kept=frozenset(asked)),
         asked=asked,
         aids=aids,
         start=start,
@@ -323,7 +330,7 @@ def test_other_epochs_and_gains_leave_more():
 MORE = {
     "rounding": (AxisNoise(row=0, noise=Rounding(period=0.01), u=1e-4),),
     "rounding of velocity": (AxisNoise(row=3, noise=Rounding(period=0.01), u=0.1),),
-    "walk": (AxisNoise(row=0, noise=Walk(), u=1e-7),),
+    "walk": (AxisNoise(row=0, noise=UnitRandomWalk(), u=1e-7),),
     "flicker": (AxisNoise(row=3, noise=Markov(times=(3.0, 30.0)), u=1e-3),),
 }
 

@@ -20,10 +20,10 @@ from budget.navigation.growth import (
     Growth,
     Markov,
     Rounding,
-    Walk,
-    White,
+    UnitRandomWalk,
+    UnitWhiteNoise,
 )
-from budget.navigation.route import Moments, Steps
+from budget.navigation.route import Motion, Steps
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 R, G = 6371000.0, 9.80665
@@ -86,7 +86,7 @@ def channel(times=TIMES, *, step=30.0, alignment=0.0, sign=1.0):
         durations += [(time - begun) / number] * number
         asked.append(len(durations) - 1)
         begun = time
-    at = Moments.of(np.array(durations), Channel())
+    at = Motion.of(np.array(durations), Channel())
     steps = Steps(
         durations=np.array(durations),
         nodes=Channel((len(durations), 4), sign, at.time),
@@ -202,14 +202,14 @@ def test_white_noise_and_walk():
     # These differences lose digits while ws t is small.
     lost = 1e-14 / x**5
     for row, noise, variance in (
-        (GYRO, White(), arw),
-        (FORCE, White(), vrw),
-        (GYRO, Walk(), rrw * R**2 / WS**3),
+        (GYRO, UnitWhiteNoise(), arw),
+        (FORCE, UnitWhiteNoise(), vrw),
+        (GYRO, UnitRandomWalk(), rrw * R**2 / WS**3),
     ):
         found = position_of(noise, row, 1.0) ** 2
         assert np.all(np.abs(found / variance - 1.0) < 1e-9 + lost), (row, noise)
     printed = [27.21109, 778.5128]
-    assert_allclose(position_of(White(), GYRO, ARW)[1:], printed, rtol=1e-7)
+    assert_allclose(position_of(UnitWhiteNoise(), GYRO, ARW)[1:], printed, rtol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -239,7 +239,7 @@ def test_any_correlation_time(tau):
     size = np.sqrt(np.outer(np.diag(D), np.diag(D)))
     assert_allclose(C / size, D / size, rtol=0, atol=1e-8)
     if tau < 1e-6:
-        white = [AxisNoise(row=GYRO, noise=White(), u=(2 * tau) ** 0.5)]
+        white = [AxisNoise(row=GYRO, noise=UnitWhiteNoise(), u=(2 * tau) ** 0.5)]
         expected = one.of_noise(white)[0, :, 0]
         assert_allclose(C / size, expected / size, rtol=0, atol=1e-8)
 

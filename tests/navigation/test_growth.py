@@ -16,8 +16,8 @@ from budget.navigation.growth import (
     Growth,
     Markov,
     Rounding,
-    Walk,
-    White,
+    UnitRandomWalk,
+    UnitWhiteNoise,
 )
 from budget.navigation.route import Leg, Legs, Start
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -130,7 +130,7 @@ def test_white_noise_of_one_level_channel():
     """Var p = N^2 R^2 (3t/2 - 2 s/w + s2/(4 w)) at the equator, to the earth's rate."""
     N = 0.005 * np.radians(1.0) / 60.0
     one = growth([Leg(duration=600.0)], (600.0,), start=Start(latitude=0.0))
-    P = one.of_noise(triad(0, White(), N))
+    P = one.of_noise(triad(0, UnitWhiteNoise(), N))
     from budget.earth import meridian_radius, normal_gravity
 
     R, g = meridian_radius(0.0), normal_gravity(0.0)
@@ -156,7 +156,12 @@ def test_height_that_is_free_runs_away():
 def test_noise_of_nothing_is_nothing():
     """Zero noise, of all kinds, and none at all."""
     one = growth([Leg(duration=60.0)], (30.0, 60.0))
-    kinds = (White(), Walk(), Markov(times=(10.0, 100.0)), Rounding(period=0.01))
+    kinds = (
+        UnitWhiteNoise(),
+        UnitRandomWalk(),
+        Markov(times=(10.0, 100.0)),
+        Rounding(period=0.01),
+    )
     parts = [AxisNoise(row=row, noise=kind, u=0.0) for row in (0, 4) for kind in kinds]
     assert not one.of_noise(parts).any()
     assert not one.of_noise([]).any()
@@ -165,7 +170,12 @@ def test_noise_of_nothing_is_nothing():
 def test_noises_add_up():
     """Of several parts together it is the sum of each, and quadratic in their size."""
     one = growth([Leg(duration=300.0)], (100.0, 300.0), alignment=60.0)
-    kinds = (White(), Walk(), Markov(times=(10.0, 100.0)), Rounding(period=0.01))
+    kinds = (
+        UnitWhiteNoise(),
+        UnitRandomWalk(),
+        Markov(times=(10.0, 100.0)),
+        Rounding(period=0.01),
+    )
     parts = [AxisNoise(row=n, noise=kind, u=2.0 + n) for n, kind in enumerate(kinds)]
     each = []
     for n, part in enumerate(parts):
@@ -176,7 +186,9 @@ def test_noises_add_up():
     assert_allclose(one.of_noise(parts), np.sum(each, axis=0), rtol=1e-12)
 
 
-@pytest.mark.parametrize("noise", [White(), Walk(), Markov(times=(20.0, 300.0))])
+@pytest.mark.parametrize(
+    "noise", [UnitWhiteNoise(), UnitRandomWalk(), Markov(times=(20.0, 300.0))]
+)
 def test_many_times_agree_with_few(noise):
     """What is asked at two times does not depend on what is asked between."""
     legs = [Leg(duration=100.0, acceleration=1.0), Leg(duration=50.0, turn_rate=0.02)]
@@ -190,7 +202,7 @@ def test_many_times_agree_with_few(noise):
     )
 
 
-NOISES = (White(), Rounding(0.01), Walk(), Markov((300.0, 20.0)))
+NOISES = (UnitWhiteNoise(), Rounding(0.01), UnitRandomWalk(), Markov((300.0, 20.0)))
 
 
 def grown(monkeypatch, at_a_time):

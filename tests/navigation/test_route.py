@@ -12,7 +12,13 @@ from scipy.spatial.transform import Rotation
 
 from budget.earth import normal_radius
 from budget.errors import ProblemError
-from budget.navigation.growth import AxisNoise, Growth, Markov, Walk, White
+from budget.navigation.growth import (
+    AxisNoise,
+    Growth,
+    Markov,
+    UnitRandomWalk,
+    UnitWhiteNoise,
+)
 from budget.navigation.route import STEP, Leg, Legs, Start, Track
 
 WEIGHTS = np.polynomial.legendre.leggauss(4)[1] / 2.0
@@ -67,7 +73,7 @@ def results(route, times=TIMES, *, alignment=0.0, aided=True):
     one = Growth(
         first=route.first, alignment=alignment, steps=route.steps(times), aided=aided
     )
-    noise = (White(), Walk(), Markov(times=(50.0,)))
+    noise = (UnitWhiteNoise(), UnitRandomWalk(), Markov(times=(50.0,)))
     C = [
         one.of_noise([AxisNoise(row=row, noise=n, u=1.0) for row in range(6)])
         for n in noise

@@ -16,7 +16,7 @@ from budget.calibration.mission import mission_outputs, mission_problem
 from budget.inputs import load_mission, uncalibrated
 from budget.inputs.use import in_use
 from budget.methods.gum import propagate
-from budget.navigation.growth import AxisNoise, Growth, Markov, White
+from budget.navigation.growth import AxisNoise, Growth, Markov, UnitWhiteNoise
 from budget.navigation.route import Leg, Legs, Start, Track, moments, moved
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
@@ -326,7 +326,7 @@ def by_drawing(motion, until, *, step_noise, alignment, rng):
 
 
 NOISES = {
-    "white": (White(), np.array([1e-6] * 3 + [1e-4] * 3)),
+    "white": (UnitWhiteNoise(), np.array([1e-6] * 3 + [1e-4] * 3)),
     "Gauss-Markov": (Markov(times=(200.0,)), np.array([2e-7] * 3 + [2e-4] * 3)),
 }
 

@@ -24,6 +24,7 @@ from test_language import left_in
 from budget import analyze, load_device, load_requirement
 from budget.language import LANGUAGES, speaking, template
 from budget.methods.radius import radius_of
+from budget.question import Question
 from budget.report.analysis.what_if import (
     AnalyzeAgain,
     largest_size,
@@ -41,7 +42,6 @@ from budget.report.blocks import (
 )
 from budget.report.tables import print_two_down, print_utilisation, round_error
 from budget.report.wording import VERDICTS
-from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
 
 pytestmark = pytest.mark.slow
@@ -76,7 +76,7 @@ def requirement():
 @cache
 def law():
     """Return what the page must agree with."""
-    return what_if(Analysis.of(device(), requirement=requirement()))
+    return what_if(Question.of(device(), requirement=requirement()))
 
 
 def page_with(folder, model):
@@ -293,7 +293,7 @@ def test_missing_line_makes_a_pass_undecidable(browser, tmp_path):
 def test_conditions_leave_a_pass_that_holds_if(browser, tmp_path):
     """The word is Python's at every size, with what it holds if beside it."""
     budget = lacking()
-    model = what_if(budget.analysis, budget=budget)
+    model = what_if(budget.question, budget=budget)
     names = [source.name for source in model.sources]
     with opened(browser, page_with(tmp_path, model.to_dict())) as (page, record):
         first = page.locator(".outlook").inner_text()
@@ -352,7 +352,7 @@ def test_a_hundred_per_cent_is_the_whole(browser, path):
 
 def test_sliders_without_a_requirement_show_uncertainties(browser, tmp_path):
     """Without limits there are no columns of utilisation and no verdict."""
-    model = what_if(Analysis.of(device())).to_dict()
+    model = what_if(Question.of(device())).to_dict()
     with opened(browser, page_with(tmp_path, model)) as (page, record):
         heads = page.locator(".what-if thead th").all_inner_texts()
 
@@ -384,10 +384,10 @@ def test_sources_that_change_nothing_are_folded(browser, path):
 def test_page_finds_the_largest_size_that_the_table_has(browser, path, grade):
     """It is the number of Python for every source: some size, any, or none."""
     if grade == "mission":
-        model = what_if(carried().analysis, budget=carried())
+        model = what_if(carried().question, budget=carried())
     else:
         wanted = load_requirement(grade)
-        model = what_if(Analysis.of(device(), requirement=wanted))
+        model = what_if(Question.of(device(), requirement=wanted))
     rows = {row.source.name: row.most for row in one_at_a_time(model)}
     with opened(browser, path) as (page, record):
         found = page.evaluate(
@@ -431,7 +431,7 @@ def test_button_sets_the_slider_to_what_meets(browser, path):
 def test_where_nothing_meets_the_page_says_what_is_in_the_way(browser, tmp_path):
     """The slider stays, and output and source that exceed the limit are named."""
     model = what_if(
-        Analysis.of(device(), requirement=load_requirement("navigation-grade"))
+        Question.of(device(), requirement=load_requirement("navigation-grade"))
     )
     with opened(browser, page_with(tmp_path, model.to_dict())) as (page, _):
         page.get_by_role("button", name="What meets? gyro bias stability").click()
@@ -458,7 +458,7 @@ def carried():
 )
 def test_limits_on_a_mission_follow_the_sliders(browser, tmp_path, source, key, factor):
     """Verdict, radius of the circle, utilisation and shares are those in Python."""
-    model = what_if(carried().analysis, budget=carried())
+    model = what_if(carried().question, budget=carried())
     outlook = model.evaluate({source: factor})
     with opened(browser, page_with(tmp_path, model.to_dict())) as (page, record):
         first = page.locator(".outlook").inner_text()
@@ -530,10 +530,10 @@ def changeable(tmp_path_factory):
     folder = tmp_path_factory.mktemp("changeable")
     (folder / "imu.yaml").write_text(MAKERS, encoding="utf-8")
     budget = analyze(load_device(folder / "imu.yaml"), validate=False)
-    analysis = Analysis.of(load_device(folder / "imu.yaml"))
-    model = what_if(analysis, budget=budget)
+    question = Question.of(load_device(folder / "imu.yaml"))
+    model = what_if(question, budget=budget)
     section = what_if_section(
-        budget, model, one_at_a_time(model), devices=analysis.devices, again=AGAIN
+        budget, model, one_at_a_time(model), devices=question.devices, again=AGAIN
     )
     return written(folder, example(sections=(section,)))
 
@@ -829,8 +829,8 @@ def test_page_one_follows_the_sliders(browser, tmp_path):
 def judged():
     """Return the budget of the paper's device against limits, as a model of it."""
     budget = analyze(device(), requirement=requirement(), validate=False)
-    analysis = Analysis.of(device(), requirement=requirement())
-    return budget, what_if(analysis, budget=budget)
+    question = Question.of(device(), requirement=requirement())
+    return budget, what_if(question, budget=budget)
 
 
 def page_in(folder, language):

@@ -10,6 +10,7 @@ from saying import assert_says
 
 from budget import load_device, load_procedure
 from budget.language import say, speaking
+from budget.missing.expected import could_widen
 from budget.names import Name, key_title
 from budget.problem import Output
 from budget.report.pages import line
@@ -29,7 +30,6 @@ from budget.report.tables import (
 )
 from budget.report.wording import not_given_lines
 from budget.results import Validation
-from budget.studies.lower_bounds import could_widen
 from budget.units import DEG_PER_HOUR
 
 

@@ -14,7 +14,7 @@ from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Cell, Column, RowGroup, Table
 from budget.report.pages import line
 from budget.report.tables import group_tables
-from budget.report.terminal import Page, print_sections, print_table
+from budget.report.terminal import TerminalPage, print_sections, print_table
 
 NUMBER = re.compile(r"-?\d[\d.]*(?:e-?\d+)?")
 
@@ -23,7 +23,7 @@ def render(budget, *, width=80, encoding="utf-8", **options):
     """Render into bytes and decode them again."""
     raw = io.BytesIO()
     file = io.TextIOWrapper(raw, encoding=encoding, newline="")
-    page = Page(Console(file=file, width=width, **options))
+    page = TerminalPage(Console(file=file, width=width, **options))
     page.line(budget.title)
     print_sections(budget_answer(budget), page)
     file.flush()
@@ -93,7 +93,7 @@ def test_a_table_in_chinese_is_straight():
     table = Table(name="t", caption="", columns=columns, groups=(RowGroup(rows=rows),))
     raw = io.BytesIO()
     file = io.TextIOWrapper(raw, encoding="utf-8", newline="")
-    print_table(table, Page(Console(file=file)))
+    print_table(table, TerminalPage(Console(file=file)))
     file.flush()
     lines = raw.getvalue().decode().splitlines()
     (chinese,) = (line for line in lines if words in line)

@@ -57,7 +57,7 @@ def on_mission(unit="tac", factor=1.0, **more):
 def model():
     """Return the model of sliders of the mission."""
     budget = on_mission(requirement=limited())
-    return what_if(budget.analysis, budget=budget)
+    return what_if(budget.question, budget=budget)
 
 
 def horizontal(outlook):

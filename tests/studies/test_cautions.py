@@ -90,7 +90,7 @@ def test_a_verdict_stands_on_an_interval_that_passed_its_check(
     )
     (row,) = assess(result, requirement, (dev,)).sensors
     place = [one.output.name for one in law.outputs].index("accelerometer.bias.x")
-    by_law = law.analysis.law.interval(coverage)[place, 1] / MICRO_G
+    by_law = law.question.law.interval(coverage)[place, 1] / MICRO_G
     assert row.verdict == verdict
     assert (by_law > limit_ug) == (verdict == "meets")
 

@@ -11,11 +11,11 @@ from numpy.testing import assert_allclose
 
 from budget import load_device
 from budget.errors import CallError
+from budget.missing import comparable
+from budget.missing.grades import GRADED_BY, UNKNOWN, family, grade
+from budget.missing.prediction import predict, stand_in
 from budget.names import Name
 from budget.studies.ceilings import GRADE, TECHNOLOGY, ceilings
-from budget.studies.grades import GRADED_BY, UNKNOWN, family, grade
-from budget.studies.missing import comparable
-from budget.studies.prediction import predict, stand_in
 
 MOUNTING = Name("mounting_repeatability", owner="gyro")
 G_SENSITIVITY = Name("g_sensitivity", owner="gyro")

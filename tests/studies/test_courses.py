@@ -124,7 +124,7 @@ def test_a_coefficient_that_is_not_given_is_asked_for_where_it_fails():
 def test_the_curve_goes_through_the_budget(aided):
     """Each source of it, the coefficients among them, at a time that is asked for."""
     found = budget_of(aided=aided)
-    drawn = curve(found.analysis, TIMES)
+    drawn = curve(found.question, TIMES)
     names = [str(name) for name in drawn.sources]
     variance = drawn.covariance[names.index(COEFFICIENT)]
     for place, time in enumerate(TIMES):
@@ -140,7 +140,7 @@ def test_the_curve_goes_through_the_budget(aided):
 def test_a_slider_is_what_another_unit_has():
     """Of a coefficient of a course, exactly: without aids no filter is retuned."""
     one = budget_of(requirement=limited())
-    model = what_if(one.analysis, budget=one)
+    model = what_if(one.question, budget=one)
     names = [str(one.name) for one in model.outputs]
     place = names.index("mission.position.horizontal.600")
     u = model.evaluate({COEFFICIENT: 2.0}).u[place]

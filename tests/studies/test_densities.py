@@ -16,9 +16,9 @@ from budget.methods.execution import BLOCK
 from budget.methods.monte_carlo import sample
 from budget.methods.trials import first_trials
 from budget.problem import Group, Output, Problem
+from budget.question import question_of
 from budget.studies.conformity import assess
 from budget.studies.densities import BINS, critical_densities
-from budget.studies.request import analysis_of
 from budget.ties import ALIKE
 
 TRIALS = 3 * BLOCK + 17
@@ -90,7 +90,7 @@ def drawn(device, **options):
     """Return budget and densities of a device without a requirement."""
     procedure = load_procedure()
     budget = analyze(device, procedure=procedure, validate=False, **options)
-    return budget, critical_densities(analysis_of(budget), budget, None)
+    return budget, critical_densities(question_of(budget), budget, None)
 
 
 def bias_only(tmp_path, distribution):
@@ -187,7 +187,7 @@ def test_with_limits_the_worst_of_each_limited_group_is_drawn(tmp_path):
         reference=requirement.reference,
     )
     (density,) = critical_densities(
-        analysis_of(budget), budget, assess(budget, requirement), trials=1000
+        question_of(budget), budget, assess(budget, requirement), trials=1000
     )
 
     assert density.output.name == "gyro.bias.y"

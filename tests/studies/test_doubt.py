@@ -12,11 +12,11 @@ from scipy.special import stdtr
 
 from budget import load_device, load_procedure, load_requirement
 from budget.methods.gum import propagate
+from budget.missing import fill
+from budget.missing.prediction import Prediction
 from budget.names import Name
 from budget.studies.doubt import doubt_of, rooms, standard, weigh
 from budget.studies.judgement import judge_with, limit_problem, required_problem
-from budget.studies.missing import fill
-from budget.studies.prediction import Prediction
 
 A, B, C = (Name(f"line_{letter}", owner="gyro") for letter in "abc")
 REQUIREMENT = load_requirement("catalogue-edge")

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
-from studies.test_aiding import analysis, journey
+from test_aiding import journey, question
 
 from budget.calibration.mission import Sensing, columns_of, constants_problem
 from budget.methods.gum import covariance_by_source, derivatives
@@ -76,7 +76,7 @@ def mission(filtered="optimal"):
 @cache
 def on_mission(name, unit="mems"):
     """Return the unit with one of the filters, and the journey of it."""
-    one = analysis(unit, mission(FILTERS[name]))
+    one = question(unit, mission(FILTERS[name]))
     return one, journey(one)
 
 
@@ -391,7 +391,7 @@ def test_an_update_that_is_not_symmetrised_goes_astray():
     0.2 to 7000 times the whole in the end, so one of 1e-14 begins it, which ends a
     million times as large.
     """
-    kalman = journey(analysis("mems", "g5.yaml")).filter
+    kalman = journey(question("mems", "g5.yaml")).filter
     steps, n = kalman.steps, kalman.n
     fading = range(n, kalman.size)
     ended = dict(zip(kalman.growth.steps.asked, kalman.measured, strict=True))

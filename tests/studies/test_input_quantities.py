@@ -11,10 +11,10 @@ from numpy.testing import assert_allclose
 from budget.inputs import load_device
 from budget.model.sources import FLICKER
 from budget.names import Name
+from budget.question import Question
 from budget.results import INTERACTION
 from budget.studies.analysis import analyze
 from budget.studies.input_quantities import input_quantities
-from budget.studies.request import Analysis
 from budget.units import parse_quantity
 
 FLOOR = "definition: allan_minimum"
@@ -78,13 +78,13 @@ def test_printed_over_divisor_is_u_in_the_whole_catalogue():
     """
     found, read = 0, set()
     for device in catalogue():
-        analysis = Analysis.of(device)
+        question = Question.of(device)
         lines = {
             Name(line.name, owner=sensor.kind): line
-            for sensor in analysis.sensors
+            for sensor in question.sensors
             for line in sensor.lines
         }
-        for one in input_quantities(analysis):
+        for one in input_quantities(question):
             number = one.printed.removesuffix(one.unit).strip()
             if one.divisor is None or not number.replace(".", "").isdigit():
                 continue

@@ -35,6 +35,7 @@ from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
 from budget.names import Name
 from budget.problem import Group, Output, Problem
+from budget.question import Question
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import (
@@ -46,7 +47,6 @@ from budget.studies.judgement import (
     screen,
     together,
 )
-from budget.studies.request import Analysis
 from budget.studies.sweep import sweep
 from budget.studies.what_if import what_if
 from jcgm import student_t
@@ -561,11 +561,11 @@ def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
     error = sqrt(0.025 * 0.975 / 100_000) * 2.0 * 1.75
     assert_allclose(shown[0], [-1.6625, 1.6625], rtol=0, atol=4.0 * error)
     law = (
-        budgets[0].analysis.law.interval(0.95)[-1, 1]
+        budgets[0].question.law.interval(0.95)[-1, 1]
         / budgets[0].outputs[-1].output.si_per_unit
     )
     assert_allclose(law, 1.96 * 1.75 / sqrt(3.0), rtol=1e-4)  # control
-    page = what_if(budgets[0].analysis, budget=budgets[0]).evaluate({})
+    page = what_if(budgets[0].question, budget=budgets[0]).evaluate({})
     row = budgets[0].outputs[-1]
     assert_allclose(page.interval[-1], row.interval, rtol=1e-12)
 
@@ -604,9 +604,9 @@ def test_what_if_starts_from_the_interval_that_was_judged(used, verdict):
     asked = {"procedure": procedure(), "requirement": wanted}
     basis = {"coverage": wanted.coverage, "reference": wanted.reference}
     budget = analyze(made, **asked, **basis, validate=False)
-    analysis = Analysis.of(made, **asked)
-    now = what_if(analysis, budget=budget).evaluate({})
-    law = what_if(analysis).evaluate({})
+    question = Question.of(made, **asked)
+    now = what_if(question, budget=budget).evaluate({})
+    law = what_if(question).evaluate({})
     judged = np.array([row.interval for row in budget.outputs])
     resolution = max(row.output.resolution for row in budget.outputs)
 

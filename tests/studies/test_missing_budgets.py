@@ -10,14 +10,14 @@ from keeping import catalogue
 from numpy.testing import assert_allclose
 
 from budget import CallError, analyze, load_device, load_procedure, load_requirement
+from budget.missing import fill
 from budget.names import Name
+from budget.question import question_of
 from budget.report.analysis.build import report_document
 from budget.report.analysis.groups import budget_answer
 from budget.report.document import to_json
 from budget.studies.comparison.compare import compare
 from budget.studies.evidence import gather_evidence
-from budget.studies.missing import fill
-from budget.studies.request import analysis_of
 
 EDGE = load_requirement("catalogue-edge")
 DEVICE = load_device("stim300#5g")  # lacks two gyro lines and one accelerometer line
@@ -106,10 +106,10 @@ def test_one_verdict_whatever_the_command(predicted):
 
 def test_the_page_says_the_probability_and_what_to_ask_for(predicted):
     """Headline, cards and limits; nothing at medians is called certain."""
-    evidence = gather_evidence(analysis_of(predicted), predicted, predicted.assessment)
+    evidence = gather_evidence(question_of(predicted), predicted, predicted.assessment)
     document = report_document(
         predicted,
-        devices=analysis_of(predicted).devices,
+        devices=question_of(predicted).devices,
         procedure=load_procedure(),
         evidence=evidence,
         assessment=predicted.assessment,
@@ -134,11 +134,11 @@ def test_two_devices_make_one_unit():
     """Lines of a gyro and of an accelerometer file are filled each by its own."""
     gyro, other = load_device("ltm210#S1B"), load_device("adxl357")
     found = budget_of(gyro, other, missing="predict")
-    analysis = analysis_of(found)
+    question = question_of(found)
 
     assert {line.expected.owner for line in found.filled} == {"gyro", "accelerometer"}
     assert {one.verdict for one in found.assessment.sensors} == {"predicted"}
-    assert analysis.filling.prediction.names == (
+    assert question.filling.prediction.names == (
         *gyro.gyro.expected_missing,
         *other.accelerometer.expected_missing,
     )

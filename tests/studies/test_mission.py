@@ -16,10 +16,10 @@ from budget.inputs import load_device, load_mission, load_procedure, uncalibrate
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.trials import first_trials
 from budget.names import MISSION, Name
+from budget.question import Question
 from budget.results import INTERACTION
 from budget.studies.analysis import analyze
 from budget.studies.mission import bought, curve, growth
-from budget.studies.request import Analysis
 
 TIMES = (60.0, 3600.0)
 
@@ -27,7 +27,7 @@ TIMES = (60.0, 3600.0)
 @pytest.fixture(scope="module")
 def bench():
     """Return the paper's unit on a bench, looked at after a minute and an hour."""
-    return Analysis(
+    return Question(
         devices=(load_device("zhao-2019"),),
         procedure=load_procedure(None),
         reference="next_turn_on",
@@ -116,7 +116,7 @@ def test_an_allan_floor_on_the_bench(tmp_path, words, printed, correlation, only
         f"name: floor\ngyro: {{errors: {{bias_stability: {words}}}}}\n"
         "accelerometer: {errors: {}}\n"
     )
-    analysis = Analysis(
+    question = Question(
         devices=(load_device(path),),
         procedure=uncalibrated("factory"),
         reference="next_turn_on",
@@ -124,12 +124,12 @@ def test_an_allan_floor_on_the_bench(tmp_path, words, printed, correlation, only
         carried_to=(3600.0,),
         only=only,
     )
-    names = [output.name for output in analysis.problem.outputs]
+    names = [output.name for output in question.problem.outputs]
     rows = [
         names.index(Name("position", owner="mission", axis=axis, time=3600.0))
         for axis in ("north", "east")
     ]
-    u = analysis.law.standard_uncertainty[rows]
+    u = question.law.standard_uncertainty[rows]
     circle = sqrt(2.0 * log(2.0))  # CEP over sigma of a circular Gaussian
     assert_allclose(circle * sqrt(np.mean(u**2)) / 1e3, float(printed), rtol=0, atol=1)
     sigma = 0.5 / 0.664 * np.pi / 180.0 / 3600.0
@@ -162,7 +162,7 @@ def test_a_noise_in_a_band_is_its_random_walk_whatever_the_rate(tmp_path):
 
 def test_a_calibration_alone_has_no_curve(bench):
     """What is of no mission is refused in words."""
-    alone = Analysis(devices=bench.devices, procedure=bench.procedure)
+    alone = Question(devices=bench.devices, procedure=bench.procedure)
     with pytest.raises(CallError, match="give a mission"):
         curve(alone)
 

@@ -16,15 +16,15 @@ from scipy.stats import t
 
 from budget import analyze, load_device, load_requirement, uncalibrated
 from budget.methods.radius import probability_within
+from budget.missing import line_of
+from budget.missing.prediction import Prediction, stand_in
 from budget.names import MISSION, Name
+from budget.question import question_of
 from budget.report.analysis.mission import mission_answer
 from budget.report.document import to_json
 from budget.studies.doubt import squared_lines
-from budget.studies.missing import line_of
 from budget.studies.mission import bought, curve
 from budget.studies.mixture import ONE_SIGMA, Mixture, _within
-from budget.studies.prediction import Prediction, stand_in
-from budget.studies.request import analysis_of
 
 VN100 = load_device("vn-100")
 TIMES = (60.0, 600.0)
@@ -64,7 +64,7 @@ def predicted():
 @pytest.fixture(scope="module")
 def at_medians(predicted):
     """Return what the law says of the device with the lines at their medians."""
-    return analysis_of(predicted).law
+    return question_of(predicted).law
 
 
 def alone(scale):
@@ -121,14 +121,14 @@ def test_probabilities_in_a_plane_are_those_of_the_radius():
 def test_circles_hold_as_many_as_they_say(predicted, at_medians, time):
     """Lines drawn at random, then errors of their covariance: 50 and 95 % within."""
     rng = np.random.default_rng(int(time))
-    analysis = analysis_of(predicted)
-    prediction = analysis.filled.prediction
+    question = question_of(predicted)
+    prediction = question.filled.prediction
     n = len(prediction.names)
     normal = rng.standard_normal((TRIALS, n)) @ np.linalg.cholesky(prediction.scale).T
     chi = np.sqrt(rng.chisquare(prediction.df, TRIALS) / prediction.df)
     squared = np.exp(2.0 * normal / chi[:, None])
 
-    found = curve(analysis, [time])
+    found = curve(question, [time])
     plane = found.covariance[:, 0, :2, :2]  # position north and east
     lines = [Name(stand_in(x).name, owner=x.owner) for x in prediction.names]
     parts = plane[[found.sources.index(line) for line in lines]]
@@ -160,8 +160,8 @@ def test_circles_hold_as_many_as_they_say(predicted, at_medians, time):
 
 def test_covariances_of_drawn_lines_are_those_of_a_device_that_has_them(predicted):
     """V_0 + sum C_m (s_m/median)^2 against the law of the device with lines s."""
-    analysis = analysis_of(predicted)
-    prediction = analysis.filled.prediction
+    question = question_of(predicted)
+    prediction = question.filled.prediction
     factors = np.linspace(0.3, 3.0, len(prediction.names))
     device = VN100
     for name, median, factor in zip(
@@ -173,7 +173,7 @@ def test_covariances_of_drawn_lines_are_those_of_a_device_that_has_them(predicte
             device, **{name.owner: sensor.with_lines((*sensor.lines, line))}
         )
     given = on_the_bench(device, missing="refuse")
-    found = curve(analysis, TIMES)
+    found = curve(question, TIMES)
     lines = [Name(stand_in(x).name, owner=x.owner) for x in prediction.names]
     places = [found.sources.index(line) for line in lines]
     parts = found.horizontal_variance()
@@ -197,8 +197,8 @@ def test_what_no_predicted_line_reaches_is_the_law():
 
 def test_numbers_beside_each_other_are_of_one_law(predicted):
     """Intervals, radii, DRMS, covariance and curve; in JSON too, and it says so."""
-    analysis = analysis_of(predicted)
-    found = curve(analysis, TIMES)
+    question = question_of(predicted)
+    found = curve(question, TIMES)
     document = json.loads(to_json(predicted))
     for k, time in enumerate(TIMES):
         for quantity in ("position", "velocity"):
@@ -232,7 +232,7 @@ def test_numbers_beside_each_other_are_of_one_law(predicted):
     assert "predictive mixture" in " ".join(
         on_terminal(mission_answer(predicted)).split()
     )
-    (_, maker) = bought(analysis)
+    (_, maker) = bought(question)
     assert_allclose(
         maker.cep, [horizontal(predicted, time).radii.cep for time in TIMES], rtol=1e-9
     )
@@ -250,7 +250,7 @@ def test_other_modes_are_of_one_unit(missing, by):
     """
     found = on_the_bench(missing=missing)
     row = horizontal(found, 60.0)
-    law = analysis_of(found).law
+    law = question_of(found).law
     k = [output.name for output in law.outputs].index(row.output.name)
 
     assert row.interval_by == by

@@ -15,10 +15,10 @@ from saying import assert_says
 import budget
 from budget.errors import SpecError
 from budget.inputs import load_device
+from budget.question import question_of
 from budget.report.analysis.verdict import summary, verdict_cards
 from budget.report.readings import effect_line, verdict_line
 from budget.studies.readings import MOST, effects, under, verdicts_by_reading
-from budget.studies.request import analysis_of
 from budget.studies.what_if import what_if
 from budget.units import DEG_PER_HOUR, PPM
 
@@ -321,5 +321,5 @@ def test_a_verdict_is_that_of_all_readings_whatever_their_order(
         spoken(summary(judged, judged.assessment)), "As the values are read here"
     )
     # The sliders of a report begin with the same verdict.
-    (outlook,) = what_if(analysis_of(judged), budget=judged).evaluate({}).sensors
+    (outlook,) = what_if(question_of(judged), budget=judged).evaluate({}).sensors
     assert outlook.verdict == "undecided"

@@ -10,12 +10,12 @@ from keeping import catalogue
 from numpy.testing import assert_allclose
 
 from budget import analyze, load_device, load_procedure
+from budget.missing.prediction import predict
 from budget.names import Name
+from budget.question import Question
 from budget.studies.allocation.market import best_offered
 from budget.studies.ceilings import ceilings
 from budget.studies.input_quantities import sensitivities
-from budget.studies.prediction import predict
-from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import DEG_PER_HOUR
 
@@ -80,7 +80,7 @@ def test_each_alone_leaves_the_same_u(files):
 
 def test_sizes_are_those_of_the_coefficients(files):
     """What-if, quantities of the budget, the market, ceilings and predictions."""
-    cases = [Analysis.of(one, reference="next_turn_on") for one in files]
+    cases = [Question.of(one, reference="next_turn_on") for one in files]
     found = [
         {
             "what-if": [source.u for source in what_if(case).sources],

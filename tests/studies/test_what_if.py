@@ -17,10 +17,10 @@ from budget.distributions import ARCSINE, TRIANGULAR, UNIFORM
 from budget.errors import CallError
 from budget.inputs.records import Limit, Origin, Requirement
 from budget.names import MISSION, Name
+from budget.question import Question
 from budget.results import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
-from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
@@ -99,7 +99,7 @@ def agrees(outlook, budget):
     resolution = np.array([row.output.resolution for row in budget.outputs])
     u = np.array([row.standard_uncertainty for row in budget.outputs])
     mean = np.array([row.mean for row in budget.outputs])
-    interval = budget.analysis.law.interval(budget.settings.coverage)
+    interval = budget.question.law.interval(budget.settings.coverage)
     # Where a mean or a spread is below what doubles resolve, the rounding differs.
     assert_allclose(outlook.u, np.where(u > resolution, u, outlook.u), rtol=RTOL)
     assert (outlook.u[u <= resolution] <= resolution[u <= resolution]).all()
@@ -123,7 +123,7 @@ def test_factors_give_the_budget_of_the_changed_device(reference, formulas):
     """All 24 outputs agree with an analysis of the device with those figures."""
     procedure = builders.procedure(formulas=formulas)
     options = {"procedure": procedure, "reference": reference, "coverage": 0.9}
-    model = what_if(Analysis.of(hard_device(), **options))
+    model = what_if(Question.of(hard_device(), **options))
 
     assert len(model.outputs) == 24
     for changes in CHANGES:
@@ -137,13 +137,13 @@ def test_the_comparison_can_fail():
     other = analyzed(scaled(hard_device(), {"gyro.bias_repeatability": 7.07}))
 
     with pytest.raises(AssertionError):
-        agrees(what_if(Analysis.of(hard_device())).evaluate(changes), other)
+        agrees(what_if(Question.of(hard_device())).evaluate(changes), other)
 
 
 def test_only_some_sources_can_be_changed_where_only_some_count():
     """With `only` the model has those sources alone, and their budget."""
     only = ("bias_stability", "gyro.scale_factor_asymmetry")
-    model = what_if(Analysis.of(hard_device(), only=only))
+    model = what_if(Question.of(hard_device(), only=only))
     changes = {"gyro.bias_stability": 2.0}
 
     assert [source.name for source in model.sources] == [
@@ -157,7 +157,7 @@ def test_only_some_sources_can_be_changed_where_only_some_count():
 def test_shares_are_those_of_the_budget():
     """Each source's share of every output is the one that analyze gives."""
     changes = {"gyro.scale_factor_asymmetry": 7.0}
-    model = what_if(Analysis.of(hard_device()))
+    model = what_if(Question.of(hard_device()))
     budget = analyzed(scaled(hard_device(), changes))
     share = model.evaluate(changes).share
     for k, row in enumerate(budget.outputs):
@@ -202,7 +202,7 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
         technology="optical",
     )
     changes = {"gyro.bias_stability": factor}
-    outlook = what_if(Analysis.of(device, requirement=wanted)).evaluate(changes)
+    outlook = what_if(Question.of(device, requirement=wanted)).evaluate(changes)
     changed = scaled(device, changes)
     budget = analyzed(changed, requirement=wanted, coverage=0.9, reference="as_tested")
     assessed = assess(budget, wanted, [changed])
@@ -240,7 +240,7 @@ def from_json(model, factors):
 
 def test_the_json_alone_gives_the_same_numbers():
     """A page that knows nothing but the JSON finds means and U of every output."""
-    model = what_if(Analysis.of(hard_device(), reference="next_turn_on"))
+    model = what_if(Question.of(hard_device(), reference="next_turn_on"))
     changes = {"gyro.scale_factor_asymmetry": 3.0, "gyro.bias_repeatability": 0.2}
     document = json.loads(json.dumps(model.to_dict(), allow_nan=False))
     found = from_json(document, changes)
@@ -261,7 +261,7 @@ def test_the_json_names_sources_and_outputs_in_printed_units(tmp_path):
         encoding="utf-8",
     )
     wanted = requirement(gyro__bias__x=3.0 * DEG_PER_HOUR)
-    document = what_if(Analysis.of(load_device(file), requirement=wanted)).to_dict()
+    document = what_if(Question.of(load_device(file), requirement=wanted)).to_dict()
 
     assert document["coverage"] == 0.9
     (sensor,) = document["sensors"]
@@ -294,7 +294,7 @@ def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
         devices.append(load_device(file))
 
     agrees(
-        what_if(Analysis.of(devices[0])).evaluate({"gyro.bias_repeatability": 2.0}),
+        what_if(Question.of(devices[0])).evaluate({"gyro.bias_repeatability": 2.0}),
         analyzed(devices[1]),
     )
 
@@ -310,7 +310,7 @@ def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
 def test_factors_that_mean_nothing_are_refused(factors, message):
     """An unknown source, a negative and an infinite factor are named."""
     with pytest.raises(CallError, match=message):
-        what_if(Analysis.of(hard_device())).evaluate(factors)
+        what_if(Question.of(hard_device())).evaluate(factors)
 
 
 def test_the_largest_size_that_meets_is_at_the_limit():
@@ -318,7 +318,7 @@ def test_the_largest_size_that_meets_is_at_the_limit():
     wanted = load_requirement("tactical-grade")
     device = load_device("zhao-2019")
     options = {"requirement": wanted, "reference": wanted.reference, "validate": False}
-    model = what_if(analyze(device, **options).analysis)
+    model = what_if(analyze(device, **options).question)
     rows = {row.source.name: row for row in one_at_a_time(model)}
     found = {name: row.most for name, row in rows.items()}
     assert found["gyro.angle_random_walk"] > 10.0
@@ -339,13 +339,13 @@ def test_the_largest_size_that_meets_is_at_the_limit():
 def test_no_size_meets_where_others_are_beyond():
     """The paper's gyro has seven times too much by its other lines."""
     wanted = load_requirement("navigation-grade")
-    analysis = analyze(
+    question = analyze(
         load_device("zhao-2019"),
         requirement=wanted,
         reference=wanted.reference,
         validate=False,
-    ).analysis
-    rows = one_at_a_time(what_if(analysis))
+    ).question
+    rows = one_at_a_time(what_if(question))
     assert {row.most for row in rows} == {None}
     assert {row.to_dict()["meets_up_to"] for row in rows} == {None}
 
@@ -410,7 +410,7 @@ def test_limits_on_a_mission_follow_the_sources(changes, verdict):
     """
     device = oblong()
     budget = on_outage(device)
-    model = what_if(budget.analysis, budget=budget)
+    model = what_if(budget.question, budget=budget)
     outlook = model.evaluate(changes)
     truth = on_outage(scaled(device, changes)).assessment
     ours = {one.sensor: one for one in outlook.sensors}
@@ -434,7 +434,7 @@ def test_limits_on_a_mission_follow_the_sources(changes, verdict):
 
 def test_the_circle_changes_its_shape():
     """Control: its factor k is not that of the sources as they are."""
-    model = what_if(on_outage(oblong()).analysis)
+    model = what_if(on_outage(oblong()).question)
     k = [one.name.axis for one in model.outputs].index("horizontal")
     now, then = (
         model.evaluate(changes)
@@ -457,7 +457,7 @@ def test_trials_of_a_mission_keep_their_ratio_to_the_law():
     device = replace(device, accelerometer=replace(device.accelerometer, lines=lines))
     budget = on_outage(device)
     (row,) = (one for one in budget.assessment.outputs if one.by_monte_carlo)
-    model, law = what_if(budget.analysis, budget=budget), what_if(budget.analysis)
+    model, law = what_if(budget.question, budget=budget), what_if(budget.question)
     k = [one.name for one in model.outputs].index(row.output.name)
     changes = {"gyro.bias_repeatability": 7.0}
 
@@ -475,9 +475,9 @@ def test_trials_of_a_mission_keep_their_ratio_to_the_law():
 def test_one_at_a_time_is_of_the_calibration():
     """Its U is of one coverage: limits of a mission have their own."""
     budget = on_outage(oblong())
-    rows = one_at_a_time(what_if(budget.analysis, budget=budget))
+    rows = one_at_a_time(what_if(budget.question, budget=budget))
     before = one_at_a_time(
-        what_if(replace(budget.analysis, mission=None), budget=budget)
+        what_if(replace(budget.question, mission=None), budget=budget)
     )
     assert rows
     for row, own in zip(rows, before, strict=True):
@@ -499,12 +499,12 @@ def test_what_meets_is_up_to_the_limits_of_a_mission_too():
     budget = on_outage(device)
     rows = {
         row.source.name: row
-        for row in one_at_a_time(what_if(budget.analysis, budget=budget))
+        for row in one_at_a_time(what_if(budget.question, budget=budget))
     }
     name = "accelerometer.bias_repeatability"
     truth = on_outage(scaled(device, {name: rows[name].most})).assessment
     used = {one.sensor: one.utilisation for one in truth.sensors}
-    calibration = replace(budget.analysis, mission=None)
+    calibration = replace(budget.question, mission=None)
     alone = {
         row.source.name: row.most
         for row in one_at_a_time(what_if(calibration, budget=budget))
@@ -555,7 +555,7 @@ def test_a_missing_line_leaves_conditions(factor, verdict):
     Of these the own budget of the changed device says the same.
     """
     budget, device = lacking(), load_device(LACKING)
-    model = what_if(budget.analysis, budget=budget)
+    model = what_if(budget.question, budget=budget)
     (outlook,) = model.evaluate({NOISE: factor}).sensors
     lines = tuple(
         replace(one, u=one.u * factor) if one.name == NOISE.partition(".")[2] else one
@@ -573,7 +573,7 @@ def test_a_missing_line_leaves_conditions(factor, verdict):
 def test_at_the_ceilings_it_uses_what_the_verdict_says():
     """What missing lines add is what the standing of the budget is of."""
     budget = lacking()
-    model = what_if(budget.analysis, budget=budget)
+    model = what_if(budget.question, budget=budget)
     (sensor,) = budget.assessment.sensors
     used = np.array(
         [
@@ -607,7 +607,7 @@ def test_limits_together_are_not_said_to_be_kept():
         }
     )
     budget = analyze(load_device("zhao-2019"), requirement=wanted, validate=False)
-    model = what_if(budget.analysis, budget=budget)
+    model = what_if(budget.question, budget=budget)
     own = [one.verdict for one in budget.assessment.sensors]
 
     assert [one.verdict for one in model.evaluate({}).sensors] == own == ["meets"]

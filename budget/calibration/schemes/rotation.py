@@ -10,7 +10,7 @@ import numpy as np
 from budget.errors import CallError
 from budget.model.norm import shown_of_errors
 from budget.model.response import BIAS
-from budget.model.rotation import Leg, RotationScheme, rotation, sensitivities
+from budget.model.rotation import RotationLeg, RotationScheme, rotation, sensitivities
 from budget.model.scheme import not_told_apart
 from budget.names import parameters_of
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 CONTINUOUS = 1e-9  # what an attitude that a turn leads to may be off by [1]
 
 
-def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[Leg, ...]:
+def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[RotationLeg, ...]:
     """Return the ways between dwells of the accelerometers that a gyro watches.
 
     Raises
@@ -50,7 +50,7 @@ def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[Leg, ...]:
                 f"the turns after the dwell {before.name} lead to another attitude "
                 f"than the next, {after.name}, has; let them follow one another"
             )
-        found.append(Leg(first=k, last=k + 1, steps=steps))
+        found.append(RotationLeg(first=k, last=k + 1, steps=steps))
     return tuple(found)
 
 

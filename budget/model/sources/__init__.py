@@ -38,7 +38,7 @@ from budget.model.sources.later import (
     Vibration,
     VibrationRectification,
 )
-from budget.model.sources.place import EarthRate, Gravity, Height, Latitude
+from budget.model.sources.place import EarthRate, Height, Latitude, LocalGravity
 from budget.model.sources.power import Power
 from budget.model.sources.processes import (
     LOW_CUT,
@@ -503,7 +503,7 @@ SOURCES = (
             ("rate_error", "ppm", "rate that the table turns too fast", RateError()),
             ("latitude", "arcsec", "latitude that is used, minus the true", Latitude()),
             ("height", "m", "height that is used, minus the true", Height()),
-            ("gravity", "mGal", "gravity that is used, minus the true", Gravity()),
+            ("gravity", "mGal", "gravity that is used, minus the true", LocalGravity()),
             (
                 "earth_rate",
                 "deg/h",

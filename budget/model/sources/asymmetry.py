@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.response import diagonal
-from budget.model.source import Disturbance, Given, Moment, Triad
+from budget.model.source import Disturbance, Given, SimulatedWindow, Triad
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -52,7 +52,7 @@ class TurnAsymmetry(Disturbance):
         """
         return diagonal(0.5 * np.abs(x))
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return s (Ka/2) times the reading."""
         return moment.window.sense * 0.5 * value[:, None] * moment.reading
 
@@ -92,7 +92,7 @@ class InputAsymmetry(Disturbance):
         """Return |x|/2 of each axis."""
         return diagonal(0.5 * np.abs(x))
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return (Ka/2) |x| of every sample's input."""
         return 0.5 * value[:, None] * np.abs(moment.true_input)
 

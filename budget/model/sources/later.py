@@ -1,4 +1,4 @@
-"""What is another one at a later turn-on than in the test: residuals, vibration, age.
+"""Sources that differ at a later turn-on: residuals, vibration, age.
 
 A maker prints how far a parameter has gone after a time, its horizon H: u(H). At
 another age A of the calibration it has gone u(H) A/H if it drifts, u(H) sqrt(A/H) if it
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
-from budget.model.source import Change, Coefficient, Given
+from budget.model.source import Coefficient, Given, TurnOnChange
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,7 +31,7 @@ AGEING = {"bias": "ageing", "scale_factor": "scale_factor_ageing"}  # by the par
 
 
 @dataclass(frozen=True)
-class OverTemperature(Change):
+class OverTemperature(TurnOnChange):
     """What is left of a parameter's temperature dependence: 0 at the test's.
 
     Attributes
@@ -53,7 +53,7 @@ class OverTemperature(Change):
 
 
 @dataclass(frozen=True)
-class VibrationRectification(Change):
+class VibrationRectification(TurnOnChange):
     """db = VRE a^2, a the rms of the vibration: during the test, and later."""
 
     target = "bias"
@@ -81,7 +81,7 @@ class Vibration(Coefficient):
 
 
 @dataclass(frozen=True)
-class Ageing(Change):
+class Ageing(TurnOnChange):
     """What a parameter has gone since its calibration, by the age of that.
 
     Attributes

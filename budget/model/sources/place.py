@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.earth import normal_gravity
-from budget.model.source import GYRO, Disturbance, Given, Table, Triad
+from budget.model.source import GYRO, Disturbance, Given, TableState, Triad
 from budget.model.sources.rotation import BASE, Rotation
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Gravity(Disturbance):
+class LocalGravity(Disturbance):
     """Gravity used minus gravity: du = -R^T (0, 0, dg).
 
     dk = -dg/g and db = b dg/g of accelerometers: 1 mGal is -1.02075 ppm.
@@ -40,7 +40,7 @@ class Gravity(Disturbance):
         """Return the change of the gravity that is used by 1 of the input [SI]."""
         return 1.0
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table at the gravity that is there."""
         place = table.place
         there = replace(place, gravity=place.gravity - value[0])
@@ -48,7 +48,7 @@ class Gravity(Disturbance):
 
 
 @dataclass(frozen=True)
-class Height(Gravity):
+class Height(LocalGravity):
     """Height used minus height: normal gravity changes, dk = 31.5 ppm per 100 m.
 
     To first order; the second is 7e-10 at 100 m. A measured gravity knows no height.
@@ -60,7 +60,7 @@ class Height(Gravity):
         """Return the vertical gradient of normal gravity [1/s^2]."""
         return place.gravity_by_height
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table at the height that it has."""
         place = table.place
         return replace(
@@ -69,7 +69,7 @@ class Height(Gravity):
 
 
 @dataclass(frozen=True)
-class Latitude(Gravity):
+class Latitude(LocalGravity):
     """Latitude used minus latitude: the earth rate leans about east by it.
 
     db_z = -w_h dL of gyros: +1 arcmin is -3.617010e-3 deg/h at 34.2394 deg. Normal
@@ -88,7 +88,7 @@ class Latitude(Gravity):
         """Return the change of normal gravity with latitude [m/s^2 per rad]."""
         return place.gravity_by_latitude
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table at the latitude that it has."""
         place = table.place
         return replace(
@@ -112,7 +112,7 @@ class EarthRate(Disturbance):
         place = triad.scheme.place
         return _less(triad.scheme, place.earth / place.earth_rate)
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table on the earth as it turns."""
         rate = table.place.earth_rate - value[0]
         return replace(table, place=replace(table.place, earth_rate=rate))

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.model.response import diagonal
-from budget.model.source import Disturbance, Given, Moment, Triad
+from budget.model.source import Disturbance, Given, SimulatedWindow, Triad
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -55,7 +55,7 @@ class Power(Disturbance):
         """Return x^p of each axis."""
         return diagonal(x**self.order)
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return K_p x^p of every sample's input."""
         return value[:, None] * moment.true_input**self.order
 

@@ -1,4 +1,4 @@
-"""Rotations that should not be there: base, axes and mount of a three-axis table."""
+"""Alignment errors of a three-axis table: base, axes and mount."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from budget.model.source import Disturbance, Given, Table, Triad
+from budget.model.source import Disturbance, Given, TableState, Triad
 from budget.model.windows import CHAIN
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class Rotation(Disturbance):
         shape = (3, scheme.weights.shape[1], 3)
         return partial(_rotated, parts=tuple(parts), shape=shape)
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with that joint askew."""
         return table.askew(self.joint, self.axis, value[0])
 
@@ -111,7 +111,7 @@ class Mount(Rotation):
         every = tuple(range(len(schedule.windows)))
         return tuple(Joint(BODY, axis, every) for axis in range(3))
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with the body askew on it."""
         for axis in range(3):
             table = table.askew(BODY, axis, value[axis])
@@ -142,7 +142,7 @@ class Positioning(Rotation):
             for number, axis in enumerate(CHAIN)
         )
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table as its axes stand at this stop."""
         outer, middle, inner = value[3 * table.stop : 3 * table.stop + 3]
         table = table.askew(AFTER_OUTER, 2, outer).askew(AFTER_MIDDLE, 1, middle)
@@ -178,7 +178,7 @@ class Wobble(Rotation):
             if across != axis
         )
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with its rotor leaning, if it turns."""
         if table.turning is None:
             return table

@@ -1,4 +1,4 @@
-"""A temperature that both triads share, and what their parameters make of it.
+"""Temperature of both triads, and how their parameters change with it.
 
 b = b0 + bT (T - T0) + bR dT/dt and K = K0 (1 + kT (T - T0)), IEEE 1293 and 952. The
 coefficients are the device's, fixed and of one sign on all axes; the history T(t) is
@@ -22,13 +22,13 @@ import numpy as np
 from budget.model.noise import stationary, weighed
 from budget.model.response import BIAS
 from budget.model.source import (
-    Change,
     Coefficient,
     Disturbance,
     Effect,
     Given,
-    Moment,
+    SimulatedWindow,
     Triad,
+    TurnOnChange,
 )
 from budget.model.waves import Waves
 
@@ -89,7 +89,7 @@ class History(Disturbance):
     def course(self, value: Array, given: Given, times: Array) -> Array:
         """Return T - T0 at those times [K]."""
 
-    def reading(self, value: Array, moment: Moment) -> Array:
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return what the temperature of every sample adds."""
         coefficients = _coefficients(moment.known)
         if coefficients is None:
@@ -273,7 +273,7 @@ class RandomTemperature(History):
 
 
 @dataclass(frozen=True)
-class TemperatureChange(Change):
+class TemperatureChange(TurnOnChange):
     """Another temperature at the later turn-on than in the test: db = bT dT."""
 
     needs = "sources.later_coefficient"

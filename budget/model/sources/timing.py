@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.source import Disturbance, Given, Table, Triad
+from budget.model.source import Disturbance, Given, TableState, Triad
 from budget.model.sources.turn_angle import TurnAngle
 from budget.model.windows import ANGLE, EDGES_BY_TIME
 
@@ -37,7 +37,7 @@ class RateError(Disturbance):
         act = TurnAngle().bind(given, triad)
         return act and partial(_in_proportion, act=act, angles=_angles(triad.scheme))
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with the angle that it turns in the time."""
         if table.timing.scale_from == ANGLE:
             return table
@@ -66,7 +66,7 @@ class Clock(Disturbance):
             angles=_angles(scheme),
         )
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table in windows that are really shorter."""
         pace = 1.0 / (1.0 + value[0])
         angle = table.angle
@@ -137,7 +137,7 @@ class EdgeJitter(TurnAngle):
             rates[number] = window.setting.angle / window.length
         return partial(_cut, act=act, rates=rates)
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with the angle that it turns between the edges."""
         if table.turn is None or table.timing.edges != EDGES_BY_TIME:
             return table

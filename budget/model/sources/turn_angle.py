@@ -1,4 +1,4 @@
-"""Angle error of a table's turn: what it turns more than it was told."""
+"""Angle error of a turn of the table."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.model.source import Disturbance, Given, Table, Triad
+from budget.model.source import Disturbance, Given, TableState, Triad
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -57,7 +57,7 @@ class TurnAngle(Disturbance):
 
         return partial(_turned, shown=shown, rows=tuple(turns.values()))
 
-    def table(self, value: Array, table: Table) -> Table:
+    def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with the angle that it really turns."""
         if table.turn is None:
             return table

@@ -7,6 +7,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from budget.inputs.records import UNCALIBRATED
+from budget.question import question_of, sensors_of
 from budget.report.analysis.groups import (
     budget_section,
     filled_sections,
@@ -40,7 +41,6 @@ from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.standing import NAMES, counting, keyed, missing
 from budget.report.tables import group_tables, print_coverage
 from budget.studies.evidence import in_doubt
-from budget.studies.request import analysis_of, sensors_of
 from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
@@ -114,7 +114,7 @@ def report_document(
     rows = one_at_a_time(model)
     judged = judged_by(budget, carried)
     budgets = [budget, *([carried] if carried else [])]
-    own = procedure if judged is budget else analysis_of(judged).procedure
+    own = procedure if judged is budget else question_of(judged).procedure
     assumed, brief = counting(budgets), missing(budgets, NAMES)
     made = {
         "filled": filled_sections(budget),

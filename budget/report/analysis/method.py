@@ -14,10 +14,10 @@ from budget.model.rotation import RotationScheme
 from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.names import AXES, by_group, parameters_of
+from budget.question import sensors_of
 from budget.report.pages import sections
 from budget.report.wording import error_reference
 from budget.sentences import described
-from budget.studies.request import sensors_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection

@@ -1,4 +1,4 @@
-"""A mission on a terminal: the finding, errors by time, which line is to blame."""
+"""A mission on a terminal: the finding, errors by time, main contributors."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, TURN_ON, source_of
 from budget.names import MISSION
+from budget.question import SHARED, question_of
 from budget.report.analysis.groups import (
     brief_sections,
     lacking,
@@ -42,7 +43,6 @@ from budget.report.tables import (
 from budget.report.wording import capital, deciding_lines, standing_blocks
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
-from budget.studies.request import SHARED, analysis_of
 from budget.studies.verdicts import calibration_words, use_words
 from budget.version import __version__
 
@@ -104,7 +104,7 @@ def mission_document(
     budget: Budget, *, date: str, command_line: str = COMMAND
 ) -> Document:
     """Put a mission into one document: the finding, errors, what they rest on."""
-    analysis, assessment = analysis_of(budget), budget.assessment
+    question, assessment = question_of(budget), budget.assessment
     (section,) = _page("mission", budget, Abreast(blocks=()), assessment is None)
     rests = _rests(budget)
     whole, brief = missing([budget]), missing([budget], NAMES)
@@ -128,8 +128,8 @@ def mission_document(
     return found.whole(
         "mission",
         inputs_section(
-            analysis.devices,
-            analysis.procedure,
+            question.devices,
+            question.procedure,
             absent=() if whole == brief else whole,
             assumed=[one for one in budget.assumptions if one not in rests[:MOST]],
             parted=keyed,
@@ -151,11 +151,11 @@ def mission_figures(budget: Budget) -> tuple[Picture, ...]:
 
     Its errors over time, and where they are.
     """
-    analysis = analysis_of(budget)
+    question = question_of(budget)
     asked = sorted({row.output.name.time or 0.0 for row in budget.outputs})
-    times = () if analysis.mission is None else drawn_times(analysis.mission, asked)
+    times = () if question.mission is None else drawn_times(question.mission, asked)
     limits = () if budget.assessment is None else budget.assessment.outputs
-    found = curve(analysis, times)
+    found = curve(question, times)
     way = way_with_errors(budget, found)
     track = () if way is None else (track_picture(way),)
     return (*growth_pictures(found, limits), *track)
@@ -163,7 +163,7 @@ def mission_figures(budget: Budget) -> tuple[Picture, ...]:
 
 def way_with_errors(budget: Budget, found: Curve) -> Way | None:
     """Return the track of a mission with ellipses at the times that are asked for."""
-    journey = analysis_of(budget).journey
+    journey = question_of(budget).journey
     if journey is None:
         return None
     times = [one.time for one in by_time(budget)]
@@ -192,7 +192,7 @@ def _rests(budget: Budget) -> tuple[str, ...]:
 
     Without those that a section of their own has: what stands for what is not given.
     """
-    use = use_words(analysis_of(budget).procedure, is_later=True)
+    use = use_words(question_of(budget).procedure, is_later=True)
     filled = {one.source for one in budget.filled}
     own = (one for one in counting([budget]) if keyed(one)[0] not in filled)
     return (*(() if budget.assessment else (use,)), *own)
@@ -208,7 +208,7 @@ def _view(budget: Budget) -> dict[str, object]:
         "budget": budget,
         "assessment": budget.assessment,
         "mission": mission,
-        "calibration": calibration_words(analysis_of(budget).procedure),
+        "calibration": calibration_words(question_of(budget).procedure),
         "way": mission and way_of(mission.route),
         "moments": moments,
         "units": units_of(moments),

@@ -1,4 +1,4 @@
-"""Station section of a report: what table, place, timing, environment make of it."""
+"""Station section of a report: errors by table, place, timing and environment."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget.inputs.use import LINES
 from budget.model.sources import SENSORS, source_of
+from budget.question import SHARED, given_lines
 from budget.report.pages import sections
 from budget.report.tables import (
     NO_SHARE,
@@ -20,7 +21,6 @@ from budget.report.tables import (
     used_part,
 )
 from budget.results import INTERACTION
-from budget.studies.request import SHARED, given_lines
 from budget.ties import first_largest
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.language import key_title, say
 from budget.names import MISSION
+from budget.question import question_of
 from budget.report.analysis.what_if import largest_size
 from budget.report.blocks import Share, Shares
 from budget.report.figures.style import OTHER, look_of
@@ -31,7 +32,6 @@ from budget.report.tables import (
 )
 from budget.report.wording import outcome_words
 from budget.results import BY_LAW, worst_of
-from budget.studies.request import analysis_of
 from budget.studies.verdicts import FAILS, calibration_words
 from budget.studies.what_if import mended
 
@@ -228,7 +228,7 @@ def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
                 title=key_title(row.output.name),
                 error=bound_number(error, lower_bound=row.lower_bound),
                 unit=unit,
-                after=calibration_words(analysis_of(carried).procedure),
+                after=calibration_words(question_of(carried).procedure),
                 **_made_of(row, [row.output.name]),
             )
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import UnitError
 from budget.inputs.records import CHANGED
 from budget.names import AIDING, MISSION
+from budget.question import sensors_of
 from budget.report.blocks import Section, Sliders
 from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
 from budget.report.mission import outputs_at_end
@@ -21,7 +22,6 @@ from budget.report.tables import (
     round_error,
 )
 from budget.results import BY_LAW
-from budget.studies.request import sensors_of
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from budget.documents import document
+from budget.missing import PREDICT
 from budget.report.document import csv_text
-from budget.studies.missing import PREDICT
 
 if TYPE_CHECKING:
     from budget.studies.comparison.records import Comparison

@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from budget.language import Note
+from budget.missing.prediction import LEAST_DESIGNS
 from budget.names import MISSION
 from budget.report.blocks import Document, ForPages, Paragraph
 from budget.report.comparison.document import to_json
@@ -43,7 +44,6 @@ from budget.report.wording import (
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import MERITS, over_cap
-from budget.studies.prediction import LEAST_DESIGNS
 from budget.version import __version__
 
 if TYPE_CHECKING:

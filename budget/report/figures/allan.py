@@ -73,7 +73,7 @@ said = partial(line, "figures_allan")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mark:
+class WindowMark:
     """Windows of one length: the Allan deviation over it, and u of their averages."""
 
     length: float  # [s]
@@ -96,7 +96,7 @@ class Allan:
     axis: str  # that of most noise; '' where all are alike
     times: Array  # tau, shape (n,) [s]
     deviations: dict[Name, Array]  # by line, shape (n,) [SI]
-    marks: tuple[Mark, ...]  # the longest first
+    marks: tuple[WindowMark, ...]  # the longest first
 
     @classmethod
     def of(cls, sensor: Sensor, procedure: Procedure) -> Allan | None:
@@ -130,7 +130,7 @@ class Allan:
                 for name in in_order(chosen)
             },
             marks=tuple(
-                Mark(
+                WindowMark(
                     length=own[-1].length,
                     windows=len(own),
                     sigma=sum(

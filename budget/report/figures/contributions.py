@@ -49,7 +49,7 @@ said = partial(line, "figures_contributions")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limit:
+class OutputLimit:
     """What an output is held against."""
 
     at: float  # [unit of the group]
@@ -63,16 +63,16 @@ class Critical:
 
     group: GroupTable
     place: int
-    limit: Limit | None
+    limit: OutputLimit | None
 
     @classmethod
     def of(cls, group: GroupTable, assessment: Assessment | None) -> Critical:
         """Choose it; of equal ones the first."""
-        limits: dict[str, Limit] = {}
+        limits: dict[str, OutputLimit] = {}
         for one in assessment.outputs if assessment else ():
             name = one.output.name
             if (name.owner, name.quantity) == (group.sensor, group.parameter):
-                limits[name.axis] = Limit(
+                limits[name.axis] = OutputLimit(
                     at=one.limit / one.output.si_per_unit,
                     printed=one.printed_limit,
                     used=one.utilisation,

@@ -77,7 +77,7 @@ said = partial(line, "figures_growth")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Growth:
+class ErrorGrowth:
     """One error of a mission over time, with what is drawn of it."""
 
     curve: Curve
@@ -87,7 +87,7 @@ class Growth:
     shares: Array  # of them, then of all others together, (n + 1, n_times) [1]
 
     @classmethod
-    def of(cls, curve: Curve, error: tuple[str, str] = PLANE) -> Growth | None:
+    def of(cls, curve: Curve, error: tuple[str, str] = PLANE) -> ErrorGrowth | None:
         """Choose the sources that are largest at some time; None if nothing varies."""
         variance = curve.variance(*error)
         total = variance.sum(axis=0)
@@ -149,11 +149,13 @@ def growth_pictures(
     """
     names = (row.output.name for row in limits if row.output.name.owner == MISSION)
     errors = dict.fromkeys((PLANE, *((name.quantity, name.axis) for name in names)))
-    every = (Growth.of(curve, error) for error in errors)
+    every = (ErrorGrowth.of(curve, error) for error in errors)
     return tuple(growth_picture(one, limits) for one in every if one is not None)
 
 
-def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Picture:
+def growth_picture(
+    growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()
+) -> Picture:
     """Show an error over time against its limits, and below it who makes it when.
 
     Shares are of the variance: they alone add up.
@@ -202,7 +204,7 @@ def growth_picture(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> P
     )
 
 
-def growth_title(growth: Growth) -> str:
+def growth_title(growth: ErrorGrowth) -> str:
     """State the finding: how far off at the end, and what makes most of it."""
     last = growth.shares[:-1, -1].tolist()
     top = first_largest(last) if last else 0
@@ -218,7 +220,7 @@ def growth_title(growth: Growth) -> str:
     )
 
 
-def _tips(growth: Growth) -> dict[str, str]:
+def _tips(growth: ErrorGrowth) -> dict[str, str]:
     """Say where each line begins and ends, and of each area its shares."""
     lines = {
         f"line-{name.lower()}": said(
@@ -257,7 +259,7 @@ def _around(time: float, digits: int) -> str:
 
 
 def _limits_on(
-    growth: Growth, limits: Sequence[OutputAssessment]
+    growth: ErrorGrowth, limits: Sequence[OutputAssessment]
 ) -> list[OutputAssessment]:
     """Return the limits on this error."""
     return [
@@ -269,7 +271,7 @@ def _limits_on(
 
 
 @house_style()
-def draw_growth(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figure:
+def draw_growth(growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()) -> Figure:
     """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
     figure = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
     figure.set_label(growth_title(growth))
@@ -298,7 +300,7 @@ def draw_growth(growth: Growth, limits: Sequence[OutputAssessment] = ()) -> Figu
 
 
 def _draw_errors(
-    axes: Axes, growth: Growth, *, limits: Sequence[OutputAssessment]
+    axes: Axes, growth: ErrorGrowth, *, limits: Sequence[OutputAssessment]
 ) -> None:
     """Draw how large the error is, and what it may be when."""
     x = np.array(growth.curve.times)
@@ -337,7 +339,7 @@ def _draw_errors(
     _size_ticks(axes, growth.error[0])
 
 
-def _draw_shares(axes: Axes, growth: Growth) -> None:
+def _draw_shares(axes: Axes, growth: ErrorGrowth) -> None:
     """Draw areas one upon the other, the largest source at the bottom."""
     x = np.array(growth.curve.times)
     for time in {time for span in growth.curve.measured for time in span}:

@@ -481,7 +481,7 @@ GAP = 0.35  # opacity of the gap between them
 
 
 @dataclass(frozen=True, kw_only=True)
-class Indices:
+class OutputIndices:
     """The indices of one output that are not 0 to the digits printed."""
 
     row: OutputBudget
@@ -540,7 +540,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     )
 
 
-def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
+def _widest(budget: Budget, sensor: str) -> tuple[OutputIndices, ...]:
     """Return the indices of the output of each group with the largest spread."""
     with_indices = [
         row
@@ -552,7 +552,7 @@ def _widest(budget: Budget, sensor: str) -> tuple[Indices, ...]:
         own = {p.source: p.sobol for p in row.contributions if p.sobol is not None}
         shown = [name for name in in_order(own) if float(_total(own[name])[0]) > 0.0]
         found.append(
-            Indices(
+            OutputIndices(
                 row=row,
                 shown=tuple((name, own[name]) for name in shown),
                 zero=tuple(name for name in in_order(own) if name not in shown),

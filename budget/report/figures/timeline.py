@@ -52,7 +52,7 @@ SIGNS = {1: "+", -1: "\N{MINUS SIGN}"}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Track:
+class TriadSchedule:
     """The windows of one triad, and the averages that are taken of them."""
 
     sensor: str
@@ -87,7 +87,7 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
 
 
 def _schedule_chart(
-    tracks: Sequence[Track], width: float, *, data_on_paper: bool
+    tracks: Sequence[TriadSchedule], width: float, *, data_on_paper: bool
 ) -> Chart:
     """Show turns and dwells of triads to the scale of a width [pt]."""
     longest = max(track.end for track in tracks)
@@ -123,7 +123,7 @@ def _schedule_chart(
 
 
 def _enlarged(
-    track: Track, longest: float, span: float, said: SimpleNamespace
+    track: TriadSchedule, longest: float, span: float, said: SimpleNamespace
 ) -> Iterator[Panel]:
     """Yield the turns on an axis of their own where one is too short for its name.
 
@@ -148,7 +148,7 @@ def _enlarged(
 
 
 def _rows(
-    track: Track,
+    track: TriadSchedule,
     places: Sequence[int],
     size: float,
     scale: float,
@@ -187,7 +187,7 @@ def _rows(
     )
 
 
-def _window(track: Track, place: int, size: float, scale: float) -> Bar:
+def _window(track: TriadSchedule, place: int, size: float, scale: float) -> Bar:
     """Return one window, named where its name and those like it fit."""
     window = track.windows[place]
     is_turn = place in track.turns
@@ -222,7 +222,9 @@ def schedule_sections(
     return sections("schedule", tracks=tracks, scale=scale, most_drawn=MOST_DRAWN)
 
 
-def make_tracks(procedure: Procedure, sensors: Sequence[str]) -> tuple[Track, ...]:
+def make_tracks(
+    procedure: Procedure, sensors: Sequence[str]
+) -> tuple[TriadSchedule, ...]:
     """Lay out the triads that there are, gyro first."""
     makers = {"gyro": _gyro_track, "accelerometer": _accelerometer_track}
     if procedure.windows or procedure.formulas not in BY_NAME:
@@ -235,17 +237,17 @@ def print_time(seconds: float) -> str:
     return line(PAGE, "time", seconds=seconds)
 
 
-def made_of(track: Track) -> str:
+def made_of(track: TriadSchedule) -> str:
     """Say what a test consists of: '6 turns of 18 s and 4 dwells of 5 min'."""
     return line(PAGE, "made_of", track=track)
 
 
-def _any_track(sensor: str, procedure: Procedure) -> Track:
+def _any_track(sensor: str, procedure: Procedure) -> TriadSchedule:
     """Lay out windows that all go into one estimate."""
     windows = schedule_of(sensor, procedure).windows
     name = line(PAGE, "average", formulas=procedure.formulas)
     gaps = [b.start - a.end for a, b in pairwise(windows)]
-    return Track(
+    return TriadSchedule(
         sensor=sensor,
         windows=windows,
         labels=tuple(window.name.partition(",")[0] for window in windows),
@@ -254,7 +256,7 @@ def _any_track(sensor: str, procedure: Procedure) -> Track:
     )
 
 
-def _gyro_track(procedure: Procedure) -> Track:
+def _gyro_track(procedure: Procedure) -> TriadSchedule:
     """Lay out turns, a pair for each axis, and the dwells at all azimuths."""
     windows = schedule_of("gyro", procedure).windows
     turns = [window for window in windows if window.sense]
@@ -269,7 +271,7 @@ def _gyro_track(procedure: Procedure) -> Track:
     ]
     name = line(PAGE, "dwells_average", azimuths=procedure.gyro.azimuths)
     averages.append((name, len(turns), len(windows) - 1))
-    return Track(
+    return TriadSchedule(
         sensor="gyro",
         windows=windows,
         labels=tuple(labels),
@@ -287,7 +289,7 @@ def _gyro_label(window: Window) -> str:
     return f"{AXES[window.axis or 0]} {SIGNS[window.sign]}"
 
 
-def _accelerometer_track(procedure: Procedure) -> Track:
+def _accelerometer_track(procedure: Procedure) -> TriadSchedule:
     """Lay out the faces, each held twice."""
     windows = schedule_accelerometer(procedure.accelerometer).windows
     faces = [(AXES[window.axis or 0], window.sign) for window in windows]
@@ -295,7 +297,7 @@ def _accelerometer_track(procedure: Procedure) -> Track:
     for face, own in groupby(range(len(windows)), key=lambda place: faces[place]):
         places = list(own)
         averages.append((f"N({FACES[face]})", places[0], places[-1]))
-    return Track(
+    return TriadSchedule(
         sensor="accelerometer",
         windows=windows,
         labels=tuple(line(PAGE, "face", axis=axis, sign=sign) for axis, sign in faces),

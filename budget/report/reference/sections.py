@@ -8,6 +8,7 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
 from budget.language import key_title, words
+from budget.question import read_name
 from budget.references.difference import EXACT, FALSE_ALARM, TOOL
 from budget.report.document import json_of
 from budget.report.figures.rows import chart_picture
@@ -22,7 +23,6 @@ from budget.report.tables import (
     source_title,
 )
 from budget.report.wording import capital
-from budget.studies.request import read_name
 from budget.version import __version__
 
 if TYPE_CHECKING:

@@ -23,7 +23,18 @@ from budget.inputs.use import in_use
 from budget.methods.allocation import TOUCHES
 from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
+from budget.missing.expected import expecting
 from budget.names import IMU, MISSION, Name
+from budget.question import (
+    limited_but_held,
+    mission_for,
+    navigating,
+    needs_test,
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+    sensors_of,
+)
 from budget.results import input_files
 from budget.sentences import sentence
 from budget.studies.allocation.cases import (
@@ -52,17 +63,6 @@ from budget.studies.allocation.rows import (
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.judgement import judge, limit_problem
-from budget.studies.lower_bounds import expecting
-from budget.studies.request import (
-    limited_but_held,
-    mission_for,
-    navigating,
-    needs_test,
-    not_estimated,
-    not_of_one_sensor,
-    not_weighted,
-    sensors_of,
-)
 from budget.studies.verdicts import Case, stand
 
 if TYPE_CHECKING:

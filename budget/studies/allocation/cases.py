@@ -16,11 +16,11 @@ from budget.methods.allocation import Task, equal, sparing
 from budget.methods.gum import propagate
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
+from budget.missing.expected import lacking, lacking_of_mission
 from budget.names import MISSION, Name
+from budget.question import given_lines
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
 from budget.studies.judgement import judge, limit_problem, required_problem
-from budget.studies.lower_bounds import lacking, lacking_of_mission
-from budget.studies.request import given_lines
 from budget.ties import equal_to
 from budget.units import DEGREE
 

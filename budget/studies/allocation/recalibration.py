@@ -6,13 +6,13 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from budget.inputs.station import with_age
+from budget.missing.expected import expecting
 from budget.model.sources.later import AGEING
 from budget.studies.allocation.longer_tests import (
     AS_THEY_ARE,
     largest_utilisation,
 )
 from budget.studies.allocation.records import Recalibration
-from budget.studies.lower_bounds import expecting
 from budget.units import DAY, YEAR, parse_quantity
 
 if TYPE_CHECKING:

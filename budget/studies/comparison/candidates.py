@@ -12,12 +12,12 @@ from budget.calibration.schemes import is_beside
 from budget.errors import CallError
 from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, probability_within
+from budget.missing import REFUSE, Filling
+from budget.missing.expected import lacking, lacking_of_mission, missing_of
 from budget.model.sources import GYRO
 from budget.names import IMU, MISSION, Name
 from budget.studies.comparison.records import MissingLines, Remedy
 from budget.studies.judgement import Limited, limit_problem, required_problem
-from budget.studies.lower_bounds import lacking, lacking_of_mission, missing_of
-from budget.studies.missing import REFUSE, Filling
 from budget.studies.verdicts import Case
 from budget.ties import first_largest, settle
 

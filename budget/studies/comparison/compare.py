@@ -12,9 +12,18 @@ from budget.inputs import load_calibration, load_devices, load_mission, load_req
 from budget.inputs.load import several
 from budget.inputs.use import in_use
 from budget.methods.execution import local_executor
+from budget.missing import REFUSE, fill
+from budget.missing.expected import expecting_device, missing_of
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
+from budget.question import (
+    mission_for,
+    needs_test,
+    not_calibrated,
+    not_estimated,
+    not_weighted,
+)
 from budget.results import Settings, input_file, named_files
 from budget.sentences import sentence
 from budget.studies.blunders import against_limits
@@ -30,16 +39,7 @@ from budget.studies.comparison.records import (
 )
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
-from budget.studies.lower_bounds import expecting_device, missing_of
-from budget.studies.missing import REFUSE, fill
 from budget.studies.progress import stage
-from budget.studies.request import (
-    mission_for,
-    needs_test,
-    not_calibrated,
-    not_estimated,
-    not_weighted,
-)
 from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def compare(
     catalogue : sequence of Device, optional
         Where lines that are not given are taken from; without it the devices that ship.
     missing : str
-        What stands for expected lines that are not given (budget.studies.missing):
+        What stands for expected lines that are not given (budget.missing):
         'refuse', 'worst', 'typical' or 'predict'.
     method : str
         'monte-carlo' on common random numbers, with the law where that is surer

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from budget.documents import SHOWN_BY, Documented, written
+from budget import views
+from budget.documents import Documented, written
 from budget.results import VERDICTS, Tabled
 
 if TYPE_CHECKING:
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
+    from budget.missing import Filling
     from budget.names import Name
     from budget.results import (
         Doubt,
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
         Standing,
     )
     from budget.studies.judgement import Judged
-    from budget.studies.missing import Filling
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
 
@@ -345,7 +345,7 @@ class Comparison(Tabled):
 
     def output_frame(self) -> pd.DataFrame:
         """Return its CSV document as a pandas frame: each device, required output."""
-        table: pd.DataFrame = import_module(SHOWN_BY).output_frame(self)
+        table: pd.DataFrame = views.view().output_frame(self)
         return table
 
     @property

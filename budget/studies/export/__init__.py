@@ -1,1 +1,1 @@
-"""What a filter or a simulator is told of a device: its figures in another's terms."""
+"""Export of the errors of a device in the terms of filters and simulators."""

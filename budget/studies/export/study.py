@@ -1,27 +1,27 @@
-"""Export: the figures of devices as one target counts them, and what it cannot hold."""
+"""Export of devices to one target: values in its terms, and what it cannot express."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from math import isfinite
 from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.documents import SHOWN_BY, written
+from budget import views
+from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
+from budget.missing import REFUSE as REFUSE_MISSING
+from budget.missing import fill
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
+from budget.question import sensors_of
 from budget.results import InputFile, Tabled, input_files
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
-from budget.studies.missing import REFUSE as REFUSE_MISSING
-from budget.studies.missing import fill
-from budget.studies.request import sensors_of
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ class Export(Tabled):
 
     def to_text(self) -> str:
         """Return the file that the target reads."""
-        text: str = import_module(SHOWN_BY).export_text(self)
+        text: str = views.view().export_text(self)
         return text
 
 
@@ -135,7 +135,7 @@ def export(
     rate : float, optional
         Samples in a second [Hz].
     missing : str
-        What stands for expected lines that are not given (budget.studies.missing).
+        What stands for expected lines that are not given (budget.missing).
     catalogue : sequence of Device, optional
         Where comparable devices are looked for; without it those that ship.
 

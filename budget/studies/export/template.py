@@ -1,4 +1,4 @@
-"""The file of a target, from its template; and what of each key was printed there.
+"""The file of a target, filled in from its template, and each of its keys.
 
 A target is one template in templates/export. What it sets at its head is the target's
 row: `title`, `comment` (what a line of comment begins with; `<!--` of one that ends

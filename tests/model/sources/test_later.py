@@ -16,9 +16,9 @@ from budget.calibration.simulation import simulate
 from budget.errors import CallError, SpecError
 from budget.inputs import load_device, load_procedure
 from budget.methods.gum import propagate
+from budget.missing.expected import expecting
 from budget.model.sources.later import DRIFT, RANDOM_WALK, growth
 from budget.studies.analysis import analyze
-from budget.studies.lower_bounds import expecting
 from budget.units import DEG_PER_HOUR, MICRO_G, PPM, YEAR, parse_quantity
 
 DEVICE = """
@@ -199,11 +199,11 @@ def test_what_does_not_hold_over_the_age_is_missing(tmp_path, horizon, age, miss
     assert ("accelerometer.ageing" in sensor.expected_missing) is missing
     assert expecting(device.accelerometer, how, "as_tested") is device.accelerometer
     found = analyze(device, procedure=how, reference="next_turn_on", validate=False)
-    lacks = found.analysis.lacks["accelerometer.bias.x"]
+    lacks = found.question.lacks["accelerometer.bias.x"]
     assert ("accelerometer.ageing" in lacks) is missing
     assert (
         "accelerometer.ageing"
-        not in found.analysis.lacks["accelerometer.mounting_angle.xy"]
+        not in found.question.lacks["accelerometer.mounting_angle.xy"]
     )
 
 

@@ -20,6 +20,7 @@ from budget.model.response import BIAS
 from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION
 from budget.names import Name
+from budget.question import Question
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.figures.sources import coupling_chart, share_chart
@@ -29,7 +30,6 @@ from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze
 from budget.studies.coupling import coupling
-from budget.studies.request import Analysis
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import DEG_PER_HOUR, MICRO_G
 
@@ -136,7 +136,7 @@ def test_it_can_be_asked_for_alone(procedure):
 
 def test_what_if_scales_it_in_both_triads(procedure):
     """It has a slider after those of the sensors; without it both biases shrink."""
-    model = what_if(Analysis.of(ZHAO, procedure=procedure))
+    model = what_if(Question.of(ZHAO, procedure=procedure))
     present, without = model.evaluate({}), model.evaluate({PUSH: 0.0})
     names = [output.name for output in model.outputs]
 

@@ -28,6 +28,7 @@ from budget.inputs import load_requirement
 from budget.inputs.device import read_device
 from budget.inputs.reader import parse
 from budget.names import key_title
+from budget.question import Question
 from budget.report.analysis.build import Extra, report_document
 from budget.report.blocks import (
     Cell,
@@ -44,7 +45,6 @@ from budget.report.writing import print_by_axis
 from budget.resources import shipped
 from budget.results import CapAssessment
 from budget.studies.evidence import gather_evidence
-from budget.studies.request import Analysis
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
@@ -63,7 +63,7 @@ def example_evidence(reference="nominal", *, gyro_only=False):
     budget = make_budget(**outputs)
     settings = replace(budget.settings, reference=reference)
     return gather_evidence(
-        Analysis.of(device, procedure=make_procedure(), reference=reference),
+        Question.of(device, procedure=make_procedure(), reference=reference),
         replace(budget, settings=settings),
     )
 
@@ -516,7 +516,7 @@ def test_what_if_with_limits_says_what_each_step_uses():
     budget = make_budget()
     settings = replace(budget.settings, reference=wanted.reference)
     evidence = gather_evidence(
-        Analysis.of(make_device(), procedure=make_procedure(), requirement=wanted),
+        Question.of(make_device(), procedure=make_procedure(), requirement=wanted),
         replace(budget, settings=settings),
     )
     (sliders,) = find(section(document(evidence=evidence), "what-if"), Sliders)
@@ -564,7 +564,7 @@ def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     doubted = replace(budget, outputs=(refused, *budget.outputs[1:]))
     wanted = load_requirement(TACTICAL)
     evidence = gather_evidence(
-        Analysis.of(make_device(), procedure=make_procedure(), requirement=wanted),
+        Question.of(make_device(), procedure=make_procedure(), requirement=wanted),
         replace(budget, settings=replace(budget.settings, reference=wanted.reference)),
     )
     doubtful = document(doubted)

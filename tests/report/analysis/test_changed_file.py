@@ -10,11 +10,11 @@ from report_examples import WIDE_LIMITS
 
 from budget import analyze, load_catalogue, load_device, load_procedure
 from budget.inputs import load_requirement
+from budget.question import question_of, sensors_of
 from budget.report.analysis.what_if import AnalyzeAgain, what_if_section
 from budget.report.device_file import MARK, is_read_back
 from budget.studies import conformity, readings
 from budget.studies.judgement import judge_with
-from budget.studies.request import analysis_of, sensors_of
 from budget.studies.what_if import one_at_a_time, what_if
 
 SAME = 1e-9  # relative: quantities are written in another unit and read back
@@ -63,13 +63,13 @@ def shapes(device):
 
 def handed_out(budget, *devices):
     """Return the file of a report with nothing moved; '' where there is none."""
-    analysis = analysis_of(budget)
-    model = what_if(analysis, budget=budget)
+    question = question_of(budget)
+    model = what_if(question, budget=budget)
     section = what_if_section(
         budget,
         model,
         one_at_a_time(model),
-        devices=analysis.devices,
+        devices=question.devices,
         again=AnalyzeAgain(same="a", of_file="b", devices=devices),
     )
     (*_, sliders) = section.blocks

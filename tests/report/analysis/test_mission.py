@@ -31,6 +31,7 @@ from budget.inputs import (
 from budget.inputs.use import in_use
 from budget.language import speaking
 from budget.names import Name, time_text
+from budget.question import Question
 from budget.report.analysis.mission import (
     mission_answer,
     mission_document,
@@ -41,7 +42,7 @@ from budget.report.blocks import Picture, Table
 from budget.report.device_file import MARK
 from budget.report.figures.growth import (
     PLANE,
-    Growth,
+    ErrorGrowth,
     draw_growth,
     growth_pictures,
     times_apart,
@@ -51,7 +52,6 @@ from budget.report.tables import unit_for
 from budget.results import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
-from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
 
@@ -86,7 +86,7 @@ def carried(*, limited=False):
 def grown():
     """Return how its error grows."""
     times = drawn_times(load_mission("outage-60-s"), (10.0, 60.0))
-    return curve(carried().analysis, times)
+    return curve(carried().question, times)
 
 
 def table_of(budget, name):
@@ -97,7 +97,7 @@ def table_of(budget, name):
 
 def test_the_figure_ends_where_the_table_does():
     """The curve has at its end the CEP, R95 and shares of the law."""
-    growth = Growth.of(grown())
+    growth = ErrorGrowth.of(grown())
     row = by_time(carried())[-1].horizontal
     assert growth.curve.times[-1] == 60.0
     assert_allclose(growth.sizes["CEP"][-1], row.radii.cep, rtol=1e-9)
@@ -113,13 +113,13 @@ ERRORS = (PLANE, ("attitude", "heading"), ("velocity", "north"))
 def test_areas_of_sources_add_up_to_the_whole():
     """Of each error the shares of all sources are 1 at every time."""
     for error in ERRORS:
-        growth = Growth.of(grown(), error)
+        growth = ErrorGrowth.of(grown(), error)
         assert_allclose(growth.shares.sum(axis=0), 1.0, rtol=1e-9)
 
 
 def test_one_error_is_below_what_the_normal_law_says():
     """U95 of heading is 1.96 times its standard uncertainty."""
-    growth = Growth.of(grown(), ("attitude", "heading"))
+    growth = ErrorGrowth.of(grown(), ("attitude", "heading"))
     u = grown().standard_uncertainty("attitude", "heading")
     assert_allclose(growth.sizes["U95"], 1.959964 * u, rtol=1e-6)
 
@@ -157,7 +157,7 @@ def test_each_limited_error_has_a_figure_with_its_limits():
 @pytest.mark.parametrize("error", ERRORS)
 def test_texts_of_the_figure_of_a_mission_stand_apart(error):
     """None is cut, and no name lies on another one."""
-    figure = draw_growth(Growth.of(grown(), error))
+    figure = draw_growth(ErrorGrowth.of(grown(), error))
     assert cut_texts(figure) == []
     assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 
@@ -272,11 +272,11 @@ def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
     told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     wanted, mission = load_requirement(LIMITS), load_mission("outage-60-s")
     how = in_use(load_procedure(), wanted, mission)
-    analysis = replace(
-        Analysis.of(load_device("zhao-2019"), procedure=how, requirement=wanted),
+    question = replace(
+        Question.of(load_device("zhao-2019"), procedure=how, requirement=wanted),
         mission=mission,
     )
-    outlook = what_if(analysis).evaluate({"accelerometer.bias_repeatability": 2.0})
+    outlook = what_if(question).evaluate({"accelerometer.bias_repeatability": 2.0})
     for ours, theirs in zip(
         outlook.sensors, told["assessment"]["sensors"], strict=True
     ):
@@ -398,13 +398,13 @@ def aided(unit, name):
         carried_to=mission.at,
         command="mission",
     )
-    return found, curve(found.analysis, drawn_times(mission, mission.at))
+    return found, curve(found.question, drawn_times(mission, mission.at))
 
 
 def test_a_mission_with_aids_is_drawn_to_where_they_end():
     """From as long before as the mission goes on after it, on an even axis."""
     _, drawn = aided("mems", "g4")
-    growth = Growth.of(drawn)
+    growth = ErrorGrowth.of(drawn)
     assert 540.0 < drawn.times[0] < 545.0
     assert {600.0, 610.0, 630.0, 660.0} <= set(drawn.times)
     assert_allclose(growth.curve.drms()[-1], 30.9758, rtol=1e-4)
@@ -423,7 +423,7 @@ def test_a_mission_whose_aids_never_end_is_drawn_whole():
     times = drawn_times(mission, mission.at)
     assert times[0] < 2.0
     assert times[-1] == 40.0
-    request = replace(aided("tac", "g1")[0].analysis, mission=mission)
+    request = replace(aided("tac", "g1")[0].question, mission=mission)
     request = replace(request, carried_to=mission.at)
     assert len(growth_pictures(curve(request, times))) == 1
 

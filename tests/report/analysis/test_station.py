@@ -13,6 +13,7 @@ from saying import assert_says
 from budget import load_device, load_procedure, load_requirement
 from budget.inputs import load_station
 from budget.inputs.station import at_station
+from budget.question import SHARED, question_of
 from budget.report.analysis.station import station_section
 from budget.report.blocks import Paragraph, Table
 from budget.report.figures.sources import coupling_chart
@@ -21,7 +22,6 @@ from budget.report.tables import group_tables, print_share
 from budget.studies.analysis import analyze
 from budget.studies.cautions import unfelt
 from budget.studies.coupling import coupling_by_law
-from budget.studies.request import SHARED, analysis_of
 
 PLAIN = """name: plain
 accelerometer:
@@ -49,13 +49,13 @@ def table_top():
 
 def section_of(budget):
     """Return the section on a budget's station."""
-    analysis = analysis_of(budget)
+    question = question_of(budget)
     return station_section(
         budget,
         group_tables(budget),
-        analysis.procedure,
+        question.procedure,
         budget.assessment,
-        unfelt(analysis),
+        unfelt(question),
     )
 
 
@@ -257,12 +257,12 @@ def test_a_procedure_says_its_station_in_a_line(station, words):
 def test_the_coupling_figure_has_a_head_for_every_owner(shaky):
     """Rows of station and environment under their own heads, named within them."""
     device, procedure = shaky
-    analysis = analysis_of(analyze(device, procedure=procedure, validate=False))
-    table = coupling_by_law(analysis.problem, analysis.law, procedure.formulas)
+    question = question_of(analyze(device, procedure=procedure, validate=False))
+    table = coupling_by_law(question.problem, question.law, procedure.formulas)
     chart = coupling_chart(table, "gyro")
     assert [group.title for group in chart.groups][:3] == ["gyro", *SHARED]
     assert [row.label for row in chart.groups[1].rows] == ["turn angle", "azimuth"]
     assert_says(chart.alt, "station: turn angle", "environment: temperature ramp")
-    bare = analysis_of(analyze(device, validate=False))
+    bare = question_of(analyze(device, validate=False))
     alone = coupling_by_law(bare.problem, bare.law, procedure.formulas)
     assert coupling_chart(alone, "gyro").groups[0].title == ""

@@ -22,6 +22,7 @@ from report_examples import (
 )
 
 from budget.inputs import load_device, load_procedure
+from budget.question import question_of
 from budget.report.figures.contributions import (
     Critical,
     correlated,
@@ -42,7 +43,6 @@ from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.studies.analysis import analyze
 from budget.studies.coupling import coupling_by_law
-from budget.studies.request import analysis_of
 
 
 @cache
@@ -150,8 +150,8 @@ def charts(name):
     yield share_chart(groups[-1])
     yield correlation_chart(of)
     yield overview_chart(groups)
-    analysis = analysis_of(of)
-    table = coupling_by_law(analysis.problem, analysis.law, "corrected")
+    question = question_of(of)
+    table = coupling_by_law(question.problem, question.law, "corrected")
     yield from (coupling_chart(table, sensor) for sensor in ("gyro", "accelerometer"))
 
 

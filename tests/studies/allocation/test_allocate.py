@@ -17,6 +17,7 @@ from budget.inputs import load_device, load_procedure, load_requirement
 from budget.inputs.files import open_file
 from budget.inputs.records import Cost, Costs, Device, Limit, Requirement
 from budget.methods.gum import propagate
+from budget.missing import fill
 from budget.names import Name
 from budget.resources import shipped
 from budget.studies.allocation import allocate as module
@@ -31,7 +32,6 @@ from budget.studies.allocation.market import (
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.conformity import assess
-from budget.studies.missing import fill
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
 pytestmark = pytest.mark.usefixtures("variates_once")

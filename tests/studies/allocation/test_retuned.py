@@ -16,11 +16,11 @@ from budget.inputs import load_device, load_mission, load_requirement, uncalibra
 from budget.methods.allocation import headroom_of
 from budget.methods.scaling import scaled_law
 from budget.names import Name
+from budget.question import Question, navigating
 from budget.studies.allocation import cases, rows
 from budget.studies.allocation.allocate import allocate
 from budget.studies.judgement import required_problem
 from budget.studies.mission import curve
-from budget.studies.request import Analysis, navigating
 
 DATA = TESTS / "data" / "aided"
 FACTORY = uncalibrated("factory")
@@ -40,7 +40,7 @@ def way(limit):
 
 def circle(device, mission):
     """Return that circle of a device with a filter of its own, computed afresh [m]."""
-    unit = Analysis(
+    unit = Question(
         devices=(device,),
         procedure=FACTORY,
         reference="next_turn_on",

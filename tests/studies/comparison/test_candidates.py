@@ -25,6 +25,7 @@ from budget.distributions import UNIFORM
 from budget.errors import CallError
 from budget.inputs.records import Requirement
 from budget.methods.gum import propagate
+from budget.missing.grades import completeness, grade, kind_of_device
 from budget.studies.comparison.candidates import find_remedy
 from budget.studies.figures_of_merit import (
     Amount,
@@ -32,7 +33,6 @@ from budget.studies.figures_of_merit import (
     over_cap,
     read_amount,
 )
-from budget.studies.grades import completeness, grade, kind_of_device
 from budget.studies.judgement import limit_problem, screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 

@@ -14,9 +14,9 @@ from saying import assert_says
 
 from budget import analyze, load_device, load_procedure
 from budget.errors import CallError
+from budget.missing import fill
 from budget.studies.export.study import export
 from budget.studies.export.template import find_target, keys_of, targets
-from budget.studies.missing import fill
 
 D2R = pi / 180.0
 RATE = 200.0  # [Hz]

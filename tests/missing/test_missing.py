@@ -17,6 +17,7 @@ from numpy.testing import assert_allclose
 from budget import load_device, load_requirement
 from budget.errors import CallError
 from budget.inputs.load import load_variants
+from budget.missing import MODES, comparable, fill
 from budget.names import Name
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
@@ -24,7 +25,6 @@ from budget.report.comparison.tables import rankings
 from budget.studies.ceilings import ceilings
 from budget.studies.comparison.compare import compare
 from budget.studies.comparison.ranking import rank
-from budget.studies.missing import MODES, comparable, fill
 from budget.studies.verdicts import MEETS, MEETS_IF, VERDICTS
 
 EDGE = load_requirement("catalogue-edge")

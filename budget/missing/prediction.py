@@ -48,9 +48,9 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from budget.methods.execution import small_blocks
+from budget.missing.grades import FAMILIES, family
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.names import Name
-from budget.studies.grades import FAMILIES, family
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -80,7 +80,7 @@ LEAST_DESIGNS = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Figure:
+class LogLine:
     """One expected line of one device, in logarithms."""
 
     groups: tuple[str, ...]  # of each level
@@ -195,7 +195,7 @@ def predict(
 
 
 def predict_figures(
-    given: Sequence[Figure], wanted: dict[Name, Figure]
+    given: Sequence[LogLine], wanted: dict[Name, LogLine]
 ) -> Prediction | None:
     """Predict figures from others; arguments as of `predict`."""
     return Fit.of(given).predict(wanted)
@@ -205,7 +205,7 @@ def predict_figures(
 class Fit:
     """Given figures, and what every prediction from them needs."""
 
-    given: tuple[Figure, ...]
+    given: tuple[LogLine, ...]
     spread: dict[str, float]  # of each line [1]
     trust: dict[str, float]  # w of each design [1]
     mean: Array  # of each line, in the order of `spread`, shape (q,) [ln SI]
@@ -217,7 +217,7 @@ class Fit:
     sigma_2: float
 
     @classmethod
-    def of(cls, given: Sequence[Figure], *, near: Fit | None = None) -> Self:
+    def of(cls, given: Sequence[LogLine], *, near: Fit | None = None) -> Self:
         """Fit scale and weights to figures; soon, where one is `near` that of them."""
         alike = _alike(given, given)
         trust = dict.fromkeys((each.groups[DESIGN] for each in given), 1.0)
@@ -230,7 +230,7 @@ class Fit:
     @classmethod
     def _at(
         cls,
-        given: Sequence[Figure],
+        given: Sequence[LogLine],
         alike: tuple[Array, Array],
         trust: dict[str, float],
     ) -> Self:
@@ -276,7 +276,7 @@ class Fit:
             for design, w in self.trust.items()
         }
 
-    def predict(self, wanted: dict[Name, Figure]) -> Prediction | None:
+    def predict(self, wanted: dict[Name, LogLine]) -> Prediction | None:
         """Predict figures; None where too few designs give any of them."""
         found = _witnesses(self.given, wanted)
         if not found:
@@ -313,8 +313,8 @@ class Fit:
 
 
 def _witnesses(
-    given: Sequence[Figure], wanted: dict[Name, Figure]
-) -> dict[Name, list[Figure]]:
+    given: Sequence[LogLine], wanted: dict[Name, LogLine]
+) -> dict[Name, list[LogLine]]:
     """Return who else gives each line, where that are designs enough."""
     witnesses = {
         name: [
@@ -331,7 +331,7 @@ def _witnesses(
     }
 
 
-def spreads(given: Sequence[Figure], trust: dict[str, float]) -> dict[str, float]:
+def spreads(given: Sequence[LogLine], trust: dict[str, float]) -> dict[str, float]:
     """Return the moderated spread of designs in each line, over that of all [1].
 
     Each design counts with its weight w.
@@ -359,8 +359,8 @@ def spreads(given: Sequence[Figure], trust: dict[str, float]) -> dict[str, float
 
 
 def covariance(
-    rows: Sequence[Figure],
-    columns: Sequence[Figure],
+    rows: Sequence[LogLine],
+    columns: Sequence[LogLine],
     spread: dict[str, float],
     trust: dict[str, float],
 ) -> Array:
@@ -371,8 +371,8 @@ def covariance(
 
 def _scaled(
     alike: tuple[Array, Array],
-    rows: Sequence[Figure],
-    columns: Sequence[Figure],
+    rows: Sequence[LogLine],
+    columns: Sequence[LogLine],
     spread: dict[str, float],
     trust: dict[str, float],
 ) -> Array:
@@ -387,7 +387,7 @@ def _scaled(
     return np.stack([wide, narrow]) * np.outer(r_rows, r_columns)
 
 
-def _alike(rows: Sequence[Figure], columns: Sequence[Figure]) -> tuple[Array, Array]:
+def _alike(rows: Sequence[LogLine], columns: Sequence[LogLine]) -> tuple[Array, Array]:
     """Return the same for spreads and weights of 1, (rows, columns) each."""
     same_line = _same([f.line for f in rows], [f.line for f in columns])
     parts = [
@@ -399,7 +399,7 @@ def _alike(rows: Sequence[Figure], columns: Sequence[Figure]) -> tuple[Array, Ar
     return sum(parts[:DESIGN], 0.0 * same_line), sum(parts[DESIGN:], 0.0 * same_line)
 
 
-def figures_of(device: Device) -> dict[Name, Figure]:
+def figures_of(device: Device) -> dict[Name, LogLine]:
     """Return the expected lines that a device gives."""
     return {
         Name(source.expected, owner=sensor.kind): _figure(
@@ -411,7 +411,7 @@ def figures_of(device: Device) -> dict[Name, Figure]:
     }
 
 
-def figure_of(device: Device, name: Name) -> Figure:
+def figure_of(device: Device, name: Name) -> LogLine:
     """Return an expected line of a device that is not given."""
     return _figure(device, name.owner, stand_in(name), 0.0)
 
@@ -431,7 +431,7 @@ def stand_ins(kind: str) -> tuple[Source, ...]:
     return tuple(first.values())
 
 
-def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
+def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
     """Return a line of a device; one of like unit is compared across sensors."""
     units = {source.like(each) for each in SENSORS}
     design = device.origin.sha256 or device.name
@@ -439,7 +439,7 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> Figure:
     own = f"{design}, {device.name}"
     known = family(device.technology)
     known = known if known in FAMILIES else ""
-    return Figure(
+    return LogLine(
         # Of a technology that is not told nobody knows what is like it.
         groups=(known or design, design, own, f"{own}, {kind}"),
         line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
@@ -454,12 +454,12 @@ def _fit(devices: tuple[Device, ...]) -> Fit:
     return Fit.of(_figures(devices))
 
 
-def _figures(devices: Iterable[Device]) -> list[Figure]:
+def _figures(devices: Iterable[Device]) -> list[LogLine]:
     """Return all figures that devices give."""
     return [each for one in devices for each in figures_of(one).values()]
 
 
-def _lines(figures: Sequence[Figure], spread: dict[str, float]) -> Array:
+def _lines(figures: Sequence[LogLine], spread: dict[str, float]) -> Array:
     """Return H: 1 where a figure is of a line, shape (n, q)."""
     return _same([each.line for each in figures], list(spread))
 

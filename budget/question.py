@@ -1,4 +1,4 @@
-"""Request of a study: devices, sources, coverage, error reference; its law."""
+"""What is asked: devices, procedure, limits, mission; its Problem and law."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from functools import cached_property
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Self, TypeGuard
 
+from budget.aiding import problem_of_mission
 from budget.calibration.aiding import lines_of_mission
 from budget.calibration.derived import (
     combination,
@@ -38,6 +39,8 @@ from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import UNCALIBRATED, Device
 from budget.methods.gum import propagate
 from budget.methods.intervals import KINDS as INTERVALS
+from budget.missing import Filling
+from budget.missing.expected import expecting, lacking, lacking_of_mission
 from budget.model.sources import (
     ACCELEROMETER,
     ENVIRONMENT,
@@ -56,9 +59,6 @@ from budget.names import (
     time_text,
 )
 from budget.sentences import sentence
-from budget.studies.aiding import problem_of_mission
-from budget.studies.lower_bounds import expecting, lacking, lacking_of_mission
-from budget.studies.missing import Filling
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ def choose_basis(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Analysis:
+class Question:
     """Devices under a procedure, and what their errors are counted from.
 
     The Problem and its law are made when they are first asked for, once: whatever
@@ -308,7 +308,7 @@ class Analysis:
         )
 
 
-def analysis_of(budget: Budget) -> Analysis:
+def question_of(budget: Budget) -> Question:
     """Return what a budget is of.
 
     Raises
@@ -316,7 +316,7 @@ def analysis_of(budget: Budget) -> Analysis:
     CallError
         It was put together by hand.
     """
-    if isinstance(found := getattr(budget, "analysis", None), Analysis):
+    if isinstance(found := getattr(budget, "question", None), Question):
         return found
     raise CallError(
         f"{type(budget).__name__} does not say what it is a budget of; give what "

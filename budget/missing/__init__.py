@@ -2,7 +2,7 @@
 
 Nothing (refuse), which a verdict `meets` cannot do with; the worst or the typical of
 comparable devices, which have the same sensor, technology and grade; or a random
-quantity whose distribution is predicted (budget.studies.prediction).
+quantity whose distribution is predicted (budget.missing.prediction).
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from budget.errors import CallError
 from budget.inputs import load_catalogue
 from budget.inputs.records import ErrorLine
 from budget.inputs.specification import ALLAN_MINIMUM, CORRELATION_TIME
+from budget.missing.grades import UNKNOWN, family, grade
+from budget.missing.prediction import joined, predict, stand_in
 from budget.model.sources import ACCELEROMETER, FLICKER, GYRO, LOW_CUT
 from budget.model.sources.later import AGEING
 from budget.names import Name
 from budget.results import FilledLine
 from budget.sentences import sentence
-from budget.studies.grades import UNKNOWN, family, grade
-from budget.studies.prediction import joined, predict, stand_in
 from budget.ties import first_largest, settle
 from budget.units import (
     ONE_SIDED,
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Device, Sensor
+    from budget.missing.prediction import Prediction
     from budget.model.source import Source
-    from budget.studies.prediction import Prediction
 
 REFUSE, WORST, TYPICAL, PREDICT = MODES = ("refuse", "worst", "typical", "predict")
 

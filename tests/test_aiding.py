@@ -13,17 +13,17 @@ import yaml
 from numpy.testing import assert_allclose
 from places import TESTS
 
+from budget.aiding import journey_of
 from budget.earth import normal_gravity
 from budget.errors import CallError
 from budget.inputs import load_device, load_mission, load_procedure, uncalibrated
 from budget.inputs.records import Believed, OwnFilter
 from budget.names import Name
 from budget.navigation.aided import Aided
+from budget.question import Question
 from budget.results import INTERACTION
-from budget.studies.aiding import journey_of
 from budget.studies.learnt import filtered
 from budget.studies.mission import SEEN, curve
-from budget.studies.request import Analysis
 from budget.units import ARCSEC
 
 DATA = TESTS / "data" / "aided"
@@ -31,10 +31,10 @@ VALUES = yaml.safe_load((DATA / "values.yaml").read_text(encoding="utf-8"))
 HORIZONTAL = ("position.north", "position.east")
 
 
-def analysis(unit, mission, **more):
+def question(unit, mission, **more):
     """Return a unit on a mission as its maker calibrated it."""
     found = load_mission(mission if isinstance(mission, dict) else DATA / mission)
-    return Analysis(
+    return Question(
         devices=(load_device(DATA / f"{unit}.yaml", more.pop("changes", ())),),
         procedure=more.pop("procedure", uncalibrated("factory")),
         reference="next_turn_on",
@@ -47,7 +47,7 @@ def analysis(unit, mission, **more):
 @cache
 def case(name):
     """Return one of the missions with its unit."""
-    return analysis(VALUES[name]["unit"], f"{name}.yaml")
+    return question(VALUES[name]["unit"], f"{name}.yaml")
 
 
 @cache
@@ -176,7 +176,7 @@ def test_only_keeps_the_gains():
 def test_another_value_retunes_the_filter(factor, retuned):
     """Angle random walk times a factor: the filter of that unit, not of the old one."""
     changes = (f"gyro.angle_random_walk={0.1 * factor} deg/sqrt(h)",)
-    one = analysis("tac", "g1.yaml", changes=changes)
+    one = question("tac", "g1.yaml", changes=changes)
 
     assert_allclose(curve(one, one.carried_to).drms()[-1], retuned, rtol=1e-4)
 
@@ -209,7 +209,7 @@ def test_a_shorter_time_with_aids(unit, rounds, u):
     mission = yaml.safe_load(text)
     mission["mission"]["segments"][0]["repeat"] = rounds
     mission["mission"]["at"] = [f"{150 * rounds + 60} s"]
-    one = analysis(unit, mission)
+    one = question(unit, mission)
 
     assert_allclose(curve(one, one.carried_to).drms()[-1], u, rtol=1e-4)
 
@@ -239,7 +239,7 @@ def test_missions_that_ship(mission, unit, printed):
 
 def test_the_papers_procedure_leaves_residuals_that_go_together():
     """After it the residuals are correlated: the filter begins with all of that."""
-    one = analysis("tac", "g1.yaml", procedure=load_procedure(None))
+    one = question("tac", "g1.yaml", procedure=load_procedure(None))
 
     found = curve(one, one.carried_to)
 
@@ -325,7 +325,7 @@ def alone(name, *segments):
         item.pop("aiding", None)
     if segments:
         part["mission"] |= {"segments": list(segments), "at": ["72 s"]}
-    one = analysis("tac", part)
+    one = question("tac", part)
     return curve(one, one.carried_to)
 
 
@@ -384,7 +384,7 @@ def test_what_a_turn_shows_is_that_of_a_mission_that_turns():
         {"turn": "180 deg", "rate": "6 deg/s"},
         {"straight": "30 s"},
     ]
-    back = analysis("tac", mission)
+    back = question("tac", mission)
 
     assert_allclose(straight.straight, 5.511, rtol=1e-4)
     assert_allclose(straight.turned, curve(back, back.carried_to).drms()[-1], rtol=1e-9)
@@ -399,7 +399,7 @@ def test_a_turn_is_asked_of_what_goes_straight_on():
     mission = yaml.safe_load(text)
     mission["mission"]["segments"].pop()
     mission["mission"]["at"] = ["600 s"]
-    assert filtered(analysis("tac", mission)).turned is None
+    assert filtered(question("tac", mission)).turned is None
 
 
 def test_a_measurement_below_rounding_is_believed_to_be_exact():
@@ -408,7 +408,7 @@ def test_a_measurement_below_rounding_is_believed_to_be_exact():
     mission = yaml.safe_load(text)
     mission["mission"]["aiding"]["gnss"]["velocity"] = "2.93065e-11 m/s"
 
-    found = filtered(analysis("mems", mission))
+    found = filtered(question("mems", mission))
 
     for one in found.believed:
         assert 0.0 <= one.standard_uncertainty < np.inf
@@ -442,11 +442,11 @@ def test_what_rounding_would_decide_is_refused():
     After 1.5 h what the sources leave is still what the filter has, to 1e-4; after 6 h
     it was 1e7 times that, and after 23 h a matrix was singular.
     """
-    one = analysis("tac", late(1.5))
+    one = question("tac", late(1.5))
     believed = journey(one).believed[-1]
     total = curve(one, one.carried_to).covariance[:, -1].sum(axis=0)
     assert_allclose(np.diag(total), np.diag(believed), rtol=1e-4)
     for hours in (2, 6, 23):
-        one = analysis("tac", late(hours))
+        one = question("tac", late(hours))
         with pytest.raises(CallError, match=r"mission\.aiding: .* s after the begin"):
             curve(one, one.carried_to)

@@ -15,21 +15,21 @@ from places import DOCS
 from scipy.special import stdtrit
 
 from budget import load_device
-from budget.names import Name
-from budget.studies import prediction
-from budget.studies.prediction import (
+from budget.missing import prediction
+from budget.missing.prediction import (
     DF_0,
     LEAST_DESIGNS,
     LEVELS,
     ROUNDS,
     TAILS,
-    Figure,
+    LogLine,
     _fit,
     figures_of,
     joined,
     predict,
     predict_figures,
 )
+from budget.names import Name
 
 WHOLE = sum(v for v, _ in LEVELS.values())
 BIAS = Name("bias_repeatability", owner="gyro")
@@ -40,7 +40,7 @@ def figure(design, line="a", log_u=0.0, *, device="1", technology=None):
     """Return a line of a design, of a technology of its own unless one is named."""
     own = f"{design} {device}"
     groups = (technology or design, design, own, f"{own} gyro")
-    return Figure(groups=groups, line=line, device=own, log_u=log_u)
+    return LogLine(groups=groups, line=line, device=own, log_u=log_u)
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Missions with aids: the filter of a unit, and how its errors grow with that."""
+"""Missions with aids: how their errors grow under a Kalman filter."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from budget.calibration.mission import (
 )
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.names import Name, components_of
-from budget.navigation.aided import Aided, Belief, Filter
+from budget.navigation.aided import Aided, Belief, KalmanFilter
 from budget.navigation.growth import Growth
 from budget.results import BelievedError
 from budget.sentences import sentence
@@ -85,7 +85,7 @@ def journey_of(
         start=start,
     )
     return Aided(
-        filter=Filter(
+        filter=KalmanFilter(
             growth=growth_of(mission, cuts.times),
             belief=belief,
             kept=frozenset(cuts.asked),

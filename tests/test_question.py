@@ -11,9 +11,9 @@ from numpy.testing import assert_allclose
 
 from budget import analyze, load_device, load_procedure, load_requirement
 from budget.names import Name
+from budget.question import Question
 from budget.report.analysis.verdict import summary
 from budget.studies.conformity import assess
-from budget.studies.request import Analysis
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC
 
@@ -40,10 +40,10 @@ def judged(asked):
     """Return the verdicts of all commands, and the warnings."""
     device, plan = load_device("zhao-2019"), load_procedure(TABLE)
     requirement = load_requirement(asked)
-    analysis = Analysis.of(device, procedure=plan, requirement=requirement)
+    question = Question.of(device, procedure=plan, requirement=requirement)
     budget = analyze(device, procedure=plan, reference=AS_TESTED, validate=False)
     (assessed,) = assess(budget, requirement).sensors
-    (slid,) = what_if(analysis).evaluate({}).sensors
+    (slid,) = what_if(question).evaluate({}).sensors
     args = ("--requirement", asked, "--procedure", TABLE, "--json", "-")
     compared = call("compare", "zhao-2019", *args, "--method", "gum").document
     allotted = call("allocate", "zhao-2019", *args, "--no-validate").document
@@ -119,14 +119,14 @@ def test_a_misalignment_is_judged_with_both_triads(aligned):
     verdicts = []
     for limit in (0.99 * end, 1.01 * end):
         requirement = load_requirement(aligned(f"{{x: {limit:.9f} arcsec}}"))
-        analysis = Analysis.of(device, requirement=requirement)
+        question = Question.of(device, requirement=requirement)
         budget = analyze(
             device, requirement=requirement, reference=AS_TESTED, validate=False
         )
         (one,) = budget.assessment.sensors
         assert (one.sensor, one.worst_output) == ("imu", "imu.misalignment.x")
         assert_allclose(one.utilisation, end / limit, rtol=1e-6)
-        (slid,) = what_if(analysis, budget=budget).evaluate({}).sensors
+        (slid,) = what_if(question, budget=budget).evaluate({}).sensors
         assert (slid.sensor, slid.verdict) == ("imu", one.verdict)
         verdicts.append(one.verdict)
     assert verdicts == ["fails", "meets"]

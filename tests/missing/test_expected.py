@@ -13,8 +13,12 @@ from places import DOCS
 from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
 from budget.methods.gum import propagate
+from budget.missing import line_of
+from budget.missing.expected import could_widen, lacking
+from budget.missing.grades import grade
 from budget.model.sources import lines_of
 from budget.names import DERIVED, IMU, Name
+from budget.question import question_of
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.analysis.what_if import what_if_section
@@ -28,10 +32,6 @@ from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
-from budget.studies.grades import grade
-from budget.studies.lower_bounds import could_widen, lacking
-from budget.studies.missing import line_of
-from budget.studies.request import analysis_of
 from budget.studies.verdicts import MEETS, MEETS_IF
 from budget.studies.what_if import one_at_a_time, what_if
 
@@ -253,7 +253,7 @@ def test_what_the_page_computes_with_is_marked():
     """Density, sliders and one-at-a-time table say that a line is missing."""
     bare = without("bias_stability")
     budget = analyze(bare, requirement=REQUIREMENT, validate=False)
-    model = what_if(analysis_of(budget), budget=budget)
+    model = what_if(question_of(budget), budget=budget)
     lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
 
     assert dict(zip(bound_names(model), model.lower_bound, strict=True)) == lacking_of
@@ -269,14 +269,14 @@ def test_what_the_page_computes_with_is_marked():
         row.used_lower_bound == (row.source.name.owner == "gyro") for row in steps
     )
     table = (
-        what_if_section(budget, model, steps, devices=analysis_of(budget).devices)
+        what_if_section(budget, model, steps, devices=question_of(budget).devices)
         .blocks[1]
         .table
     )
     texts = [cell.text for group in table.groups for row in group.rows for cell in row]
     assert any(text.startswith(AT_LEAST) for text in texts)
     densities = critical_densities(
-        analysis_of(budget), budget, budget.assessment, trials=200
+        question_of(budget), budget, budget.assessment, trials=200
     )
     for density in densities:
         marked = lacking_of[density.output.name]

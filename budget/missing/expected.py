@@ -24,11 +24,11 @@ from budget.calibration.schemes import (
 )
 from budget.inputs.records import Sensor
 from budget.inputs.specification import time_of
+from budget.missing import line_of
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.model.sources.later import AGEING, age_in
 from budget.model.sources.processes import FlickerNoise
 from budget.names import IMU, Name, every_output
-from budget.studies.missing import line_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
