@@ -8,7 +8,7 @@ from types import ModuleType
 from typing import Any
 
 import budget
-from budget.inputs.makers import READINGS
+from budget.inputs.makers import readings
 from budget.report.schema import results_schema
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
 from zhao_2019.study import PaperStudy
@@ -20,7 +20,7 @@ MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
 def words() -> list[str]:
     """Return one row for each line: the words of makers, and how to read them."""
     rows = ["| makers print | line | before it is one |", "|---|---|---|"]
-    for one in READINGS:
+    for one in readings():
         for place, (line, names) in enumerate(one.words.items()):
             says = "as above" if place else one.says
             rows.append(f"| {', '.join(names)} | [`{line}`](#{one.anchor}) | {says} |")

@@ -632,6 +632,19 @@ def noises_of(
             yield Name(line.name, owner=sensor.kind), tuple(parts)
 
 
+def of_test_alone(sensors: Sequence[Sensor]) -> tuple[Name, ...]:
+    """Return lines that are given and say nothing of what they do in use."""
+    return tuple(
+        Name(line.name, owner=sensor.kind)
+        for sensor in sensors
+        for line in sensor.lines
+        for effect in [source_of(sensor.kind, line.name).meant(line).effect]
+        if line.u.any()
+        and isinstance(effect, Disturbance)
+        and effect.in_use(np.zeros(3), np.zeros(3)) is None
+    )
+
+
 def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:
     """Return lines that are given and would act on the way, and are not carried along.
 

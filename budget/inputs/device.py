@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
@@ -199,7 +199,9 @@ def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # 
     errors = mapping_of(
         f"{sensor} errors",
         {line.name: type_of(line, sensor) for line in lines},
-        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines},
+        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines}
+        if type_of is value_type  # to describe it
+        else {},
     )
     types: dict[str, Any] = {
         "range": (TYPES[sensor] | None, Field(default=None, description=IS)),
@@ -292,7 +294,10 @@ def _file_type(type_of: Callable[[Source, str], Any]) -> type[Base]:
     return create_model("Device", __base__=Base, variants=variants, **sensors)
 
 
-DeviceFile = _file_type(_later)
+@cache
+def device_file_type() -> type[Base]:
+    """Return the type of a device file, made where there is one to be read."""
+    return _file_type(_later)
 
 
 def whole_file_type() -> type[Base]:
@@ -327,7 +332,7 @@ def read_device(
     for change in changes:
         root = apply(root, change)
     changed = tell_changes(printed, root, changes)
-    sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
+    sheet = check(document, device_file_type(), root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
     name = f"{name}{CHANGED}" if changed else name
     parts: dict[str, SensorPart | None] = {

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.mission import not_carried
+from budget.calibration.mission import not_carried, of_test_alone
 from budget.calibration.saturation import saturations
 from budget.calibration.schemes import removal
 from budget.inputs.specification import time_of
@@ -261,6 +261,8 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
     if sampled:
         rate = procedure.sample_rate
         said.append(sentence("cautions.samples", names=sampled, rate=rate))
+    if names := of_test_alone(sensors):
+        said.append(sentence("cautions.of_test_alone", names=names))
     if names := not_carried(sensors, procedure):
         said.append(sentence("cautions.not_carried", names=names))
     return tuple(said)

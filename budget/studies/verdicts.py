@@ -46,7 +46,7 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
 from budget.distributions import normal_coverage_factor
-from budget.inputs.makers import LINES_BY_WORD, bare
+from budget.inputs.makers import bare, lines_by_word
 from budget.inputs.records import JOINT
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
@@ -1404,7 +1404,7 @@ def _aside(device: Device) -> Iterator[Caution]:
         called = re.sub(r"\bacc(el)?\b", ACCELEROMETER, called)
         for sensor in device.sensors:
             _, _, after = f" {called} ".rpartition(f" {sensor.kind} ")
-            known = LINES_BY_WORD.get(bare(after), ())
+            known = lines_by_word().get(bare(after), ())
             for line in sensor.not_given:
                 is_called = line.quantity in known and line.quantity != QUANTIZATION
                 if is_called or f" {words(line.quantity)} " in f" {after}":

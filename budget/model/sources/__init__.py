@@ -6,6 +6,7 @@ inputs, the simulation its samples, results what is expected, figures their colo
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING
 
 from budget.errors import CallError
@@ -76,6 +77,8 @@ from budget.names import ANGLES, AXES, ONE_VALUE
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from budget.model.sources.outside import Outside
+
 __all__ = [
     "ACCELEROMETER",
     "BAND",
@@ -93,7 +96,11 @@ __all__ = [
     "TURN_ON",
     "WALKS",
     "WHITE",
+    "blamed_outside",
+    "every_source",
+    "from_outside",
     "lines_of",
+    "outside_faults",
     "source_of",
     "twin_of",
     "walk_of",
@@ -528,9 +535,38 @@ WHITE = tuple(one.name for one in SOURCES if one.expected == "noise")
 SAMPLE_NOISE = next(one.name for one in SOURCES if isinstance(one.effect, SampleNoise))
 
 
+@cache
+def from_outside() -> Outside:
+    """Return the lines of other packages, looked for once."""
+    from budget.model.sources.outside import find_outside
+
+    return find_outside(source.name for source in SOURCES)
+
+
+def every_source() -> tuple[Source, ...]:
+    """Return all sources in their order, those of other packages last."""
+    return (*SOURCES, *from_outside().sources)
+
+
+def outside_faults() -> tuple[str, ...]:
+    """Return what is wrong with lines of other packages, if they were looked for."""
+    was_asked = from_outside.cache_info().currsize
+    return tuple(from_outside().faults.values()) if was_asked else ()
+
+
+def blamed_outside(error: BaseException) -> str:
+    """Say in which other package's line an error arose; '' in none."""
+    if not from_outside.cache_info().currsize:
+        return ""
+    from budget.model.sources.outside import blamed
+
+    return blamed(error, from_outside().sources)
+
+
 def lines_of(owner: str) -> tuple[Source, ...]:
     """Return the sources that an owner can have, in their order."""
-    return tuple(source for source in SOURCES if source.like(owner))
+    every = every_source() if owner in SENSORS else SOURCES
+    return tuple(source for source in every if source.like(owner))
 
 
 def source_of(owner: str, name: str) -> Source:
@@ -541,12 +577,16 @@ def source_of(owner: str, name: str) -> Source:
     CallError
         The table has no such source: nothing is taken for what it is not.
     """
-    for source in SOURCES:
+    for source in SOURCES:  # others are looked for where it is none of these
         if source.name == name and source.like(owner):
             return source
+    for source in from_outside().sources:
+        if source.name == name and source.like(owner):
+            return source
+    fault = from_outside().faults.get(name, "")
     raise CallError(
         f"{owner}.{name} is no error source; there are: {_names(lines_of(owner))}. "
-        "A new source is a row of budget.model.sources"
+        + (fault or "A new source is a row of budget.model.sources")
     )
 
 

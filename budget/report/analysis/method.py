@@ -15,6 +15,7 @@ from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.names import AXES, by_group, parameters_of
 from budget.question import sensors_of
+from budget.report.formulas import check_formula
 from budget.report.pages import sections
 from budget.report.wording import error_reference
 from budget.sentences import described
@@ -49,20 +50,17 @@ def method_section(
     """Return settings and references, in full formulas; of the sensors there are."""
     has_weights = procedure.formulas in {"least_squares", "weighted", "norm"}
     weighed = sensors_of(tuple(devices), procedure) if has_weights else ()
-    effects = [
-        source_of(sensor.kind, line.name).meant(line).effect
-        for device in devices
-        for sensor in device.sensors
-        for line in sensor.lines
-    ]
-    said = {
-        is_noise: {
-            one.formula: described(one.letters)
-            for one in effects
-            if one.formula and isinstance(one, Noise) == is_noise
-        }.items()
-        for is_noise in (True, False)
-    }
+    noises: dict[str, str] = {}
+    others: dict[str, str] = {}
+    for sensor in (sensor for device in devices for sensor in device.sensors):
+        for line in sensor.lines if full else ():
+            source = source_of(sensor.kind, line.name).meant(line)
+            effect = source.effect
+            if source.origin:
+                check_formula(source)
+            if effect.formula:
+                said = noises if isinstance(effect, Noise) else others
+                said[effect.formula] = described(effect.letters)
     (section,) = sections(
         "method",
         full=full,
@@ -72,8 +70,8 @@ def method_section(
         error_reference=error_reference,
         by_group=by_group,
         weights=[_weights(scheme_of(one.kind, procedure, one)) for one in weighed],
-        noises=said[True],
-        others=said[False],
+        noises=noises.items(),
+        others=others.items(),
     )
     return section
 

@@ -29,12 +29,12 @@ from budget.report.figures.style import (
     ON_DARK,
     OTHER,
     PAPER,
-    STYLES,
     WIDE,
     WIDTH,
     fits,
     in_order,
     look_of,
+    looks,
 )
 from budget.report.pages import line, table, texts
 from budget.report.tables import (
@@ -128,7 +128,7 @@ def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
     bar = [
         (name, shares[name])
         for name in in_order(shares)
-        if name.quantity in STYLES and shares[name] >= SMALL_SHARE
+        if name.quantity in looks() and shares[name] >= SMALL_SHARE
     ]
     rest = fsum(shares.values()) - fsum(share for _, share in bar)
     small = any(0.0 < share < SMALL_SHARE for share in shares.values())
