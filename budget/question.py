@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from numbers import Integral, Real
-from typing import TYPE_CHECKING, Self, TypeGuard
+from typing import TYPE_CHECKING, Self
 
 from budget.aiding import problem_of_mission
 from budget.calibration.aiding import lines_of_mission
@@ -22,7 +21,7 @@ from budget.calibration.mission import (
     mission_outputs,
 )
 from budget.calibration.mission import REFERENCE as ON_MISSION
-from budget.calibration.problem import REFERENCES, calibration_problem
+from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
     NORM,
     WEIGHTED,
@@ -32,13 +31,11 @@ from budget.calibration.schemes import (
     noise_of,
     with_accelerometers,
 )
-from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, UnitError
 from budget.inputs import load_procedure
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import UNCALIBRATED, Device
 from budget.methods.gum import propagate
-from budget.methods.intervals import KINDS as INTERVALS
 from budget.missing import Filling
 from budget.missing.expected import expecting, lacking, lacking_of_mission
 from budget.model.sources import (
@@ -59,6 +56,7 @@ from budget.names import (
     time_text,
 )
 from budget.sentences import sentence
+from budget.settings import Asked, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -74,52 +72,12 @@ if TYPE_CHECKING:
     )
     from budget.methods.gum import Propagation
     from budget.problem import Problem
-    from budget.results import Budget, Settings
+    from budget.results import Budget
 
-METHODS = ("gum", "monte-carlo", "simulation")
 SHARED = (STATION, ENVIRONMENT)  # what all triads share
 DEFAULT_COVERAGE = 0.95  # [1]
 DEFAULT_REFERENCE = "nominal"
 SAME_TIME = 1e-9  # relative; of two times that are one [1]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Basis:
-    """What a statement about errors rests on."""
-
-    coverage: float
-    reference: str
-
-
-def choose_basis(
-    requirement: Requirement | None, *, coverage: float | None, reference: str | None
-) -> Basis:
-    """Return coverage and reference: the requirement's, where there is one.
-
-    Raises
-    ------
-    CallError
-        An option asks for another one than the requirement does.
-    """
-    if requirement is None:
-        return Basis(
-            coverage=DEFAULT_COVERAGE if coverage is None else coverage,
-            reference=DEFAULT_REFERENCE if reference is None else reference,
-        )
-    faults = [
-        f"--{name} {asked} differs from the requirement's {name} {rules}"
-        for name, asked, rules in (
-            ("coverage", coverage, requirement.coverage),
-            ("reference", reference, requirement.reference),
-        )
-        if asked is not None and asked != rules
-    ]
-    if faults:
-        raise CallError(
-            "; ".join(faults) + f"; leave the option out, or change it in "
-            f"{requirement.origin.file}"
-        )
-    return Basis(coverage=requirement.coverage, reference=requirement.reference)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -170,15 +128,14 @@ class Question:
             Options or devices that do not fit together.
         """
         procedure = load_procedure(None) if procedure is None else procedure
-        basis = choose_basis(requirement, coverage=coverage, reference=reference)
-        check_words(method="gum", interval="symmetric", reference=basis.reference)
-        check_numbers(basis.coverage, {})
+        settings = Asked(coverage=coverage, reference=reference).settle(requirement)
+        check("analyze", settings)
         chosen, _ = choose_sources(sensors_of(devices, procedure), procedure, only)
         return cls(
             devices=devices,
             procedure=procedure,
-            coverage=basis.coverage,
-            reference=basis.reference,
+            coverage=settings.coverage,
+            reference=settings.reference,
             only=chosen,
             requirement=requirement,
             asked=choose_outputs(devices, procedure, outputs),
@@ -805,66 +762,3 @@ def choose_sources(
     given = given_lines(sensors, procedure, mission=mission)
     absent = sorted(chosen - given.keys())
     return chosen, tuple(sentence("cautions.asked_alone", name=name) for name in absent)
-
-
-def check_settings(settings: Settings, *, workers: int = 1) -> None:
-    """Refuse settings that name no choice or mean nothing.
-
-    Raises
-    ------
-    CallError
-        With all faults of words, or all of numbers.
-    """
-    check_words(
-        method=settings.method,
-        interval=settings.interval,
-        reference=settings.reference,
-    )
-    check_numbers(
-        settings.coverage,
-        {
-            "trials": (settings.trials, 2),
-            "digits": (settings.digits, 1),
-            "max_trials": (settings.max_trials, 2),
-            "samples": (settings.sobol_samples, 2),
-            "seed": (settings.seed, 0),
-            "workers": (workers, 1),
-        },
-    )
-
-
-def check_words(*, method: str, interval: str, reference: str) -> None:
-    """Refuse words that name no choice, all at once."""
-    faults = [
-        f"{name} is {value!r}, allowed: {', '.join(allowed)}"
-        for name, value, allowed in (
-            ("method", method, METHODS),
-            ("interval", interval, INTERVALS),
-            ("reference", reference, REFERENCES),
-        )
-        if value not in allowed
-    ]
-    if faults:
-        raise CallError("; ".join(faults))
-
-
-ALWAYS = {"seed", "workers", "digits"}  # what is asked for of every study
-
-
-def _is_whole(number: object) -> TypeGuard[int]:
-    """Whether it is a whole number; True and False are none."""
-    return isinstance(number, Integral) and not isinstance(number, bool)
-
-
-def check_numbers(coverage: float, counts: dict[str, tuple[int | None, int]]) -> None:
-    """Refuse numbers that mean nothing, all at once; counts are {name: (n, least)}."""
-    faults = [
-        f"{name} is {number!r}, allowed: whole numbers, {least} or more"
-        for name, (number, least) in counts.items()
-        if (number is not None or name in ALWAYS)
-        and not (_is_whole(number) and number >= least)
-    ]
-    if not isinstance(coverage, Real) or not is_coverage(coverage):
-        faults.append(f"coverage is {coverage!r}, allowed: {COVERAGES}")
-    if faults:
-        raise CallError("; ".join(faults))

@@ -17,6 +17,7 @@ from budget.language import note
 from budget.names import Name, braced, spellings, with_parts
 from budget.problem import Output
 from budget.sentences import sentence
+from budget.settings import Settings, fills
 from budget.ties import first_largest, from_largest, settle
 from budget.units import parse_quantity
 
@@ -379,93 +380,6 @@ def widest_of_each(rows: Sequence[OutputBudget]) -> tuple[OutputBudget, ...]:
         own[first_largest([row.standard_uncertainty for row in own])]
         for own in groups.values()
     )
-
-
-def fills(settings: Settings) -> bool:
-    """Whether anything stands for expected lines that are not given."""
-    return settings.missing != "refuse"
-
-
-@written(
-    "settings",
-    """
-    method: 'gum', 'monte-carlo' or 'simulation'
-    trials: of Monte Carlo, or simulated runs
-    seed: same seed, same numbers
-    coverage [1]: probability of the intervals
-    interval: 'symmetric' or 'shortest'
-    reference: what an error is one against, 'nominal', 'as_tested', 'next_turn_on'
-    formulas: of the calibration
-    normals_per_trial: normal random numbers that a trial takes
-    only: sources that count, all others being 0
-    outputs?: what is asked for, where that is not all that is estimated
-    digits: of uncertainties that trials make sure
-    sobol_samples: points in one scramble for Sobol' indices
-    sobol_scrambles: how many there are
-    missing if fills: what stands for expected lines that are not given; left out where
-      nothing does
-    """,
-    fills=fills,
-)
-@dataclass(frozen=True, kw_only=True)
-class Settings(Documented):
-    """Everything besides the input files that a result depends on.
-
-    As asked for, and then, with what was made of it, as part of the result.
-
-    Attributes
-    ----------
-    method : str
-        'gum' (law of propagation), 'monte-carlo' or 'simulation'.
-    trials : int or None
-        Monte Carlo trials (None asks for adaptive ones) or simulated runs.
-    seed : int
-        Same seed, same numbers.
-    coverage : float
-        Probability of the intervals [1].
-    interval : str
-        'symmetric' or 'shortest'; by the law both are mean +- k u.
-    reference : str
-        Error reference: 'nominal', 'as_tested', 'next_turn_on'.
-    formulas : str
-        Of the calibration: those of the procedure.
-    only : tuple of Name
-        Sources that count, all others 0; a bare name asks for both sensors.
-    outputs : tuple of Name
-        What is asked for; without any the parameters that are estimated.
-    digits : int
-        Significant digits of the uncertainties that adaptive trials make sure, and
-        that the law is validated to; 1 or 2.
-    sobol_samples : int or None
-        Points in one scramble for Sobol' indices; None: there are none.
-    max_trials : int or None
-        Where adaptive trials stop at the latest; None: where they usually do.
-    validate : bool
-        Whether Monte Carlo checks the law.
-    matrices : bool
-        Whether the compensation matrices are asked for.
-    missing : str
-        What stands for expected lines that a device does not give: 'refuse' (nothing),
-        'worst', 'typical' or 'predict'.
-    """
-
-    method: str = "gum"
-    trials: int | None = None
-    seed: int = 0
-    coverage: float = 0.95
-    interval: str = "symmetric"
-    reference: str = "nominal"
-    formulas: str = ""
-    normals_per_trial: int | None = None
-    only: tuple[Name, ...] = ()
-    outputs: tuple[Name, ...] = ()
-    digits: int = 1
-    sobol_samples: int | None = None
-    sobol_scrambles: int | None = None
-    max_trials: int | None = None
-    validate: bool = True
-    matrices: bool = False
-    missing: str = "refuse"
 
 
 @written(

@@ -34,11 +34,11 @@ from budget.results import (
     OutputBudget,
     Probability,
     SensorAssessment,
-    Settings,
     SobolIndex,
     Standing,
     Validation,
 )
+from budget.settings import Settings
 from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import Density
 from budget.ties import largest

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
     from budget.methods.cluster import Cluster
-    from budget.studies.progress import Engine
+    from budget.settings import Engine
 
 
 @contextmanager
 def computing(*, workers: int, cluster: str | None) -> Iterator[Engine]:
     """Provide workers, local or on a cluster, and a progress bar."""
-    from budget.studies.progress import Engine
+    from budget.settings import Engine
 
     with _place(cluster) as found, progress() as show:
         yield Engine(

@@ -92,8 +92,9 @@ def new(
 def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
     """Ask a person for the name, the data sheet and the expected lines."""
     from budget.errors import SpecError
-    from budget.inputs.blank import new_device, scalar
+    from budget.inputs.blank import new_device
     from budget.inputs.makers import printed_as
+    from budget.inputs.tree import flow, scalar
     from budget.model.sources import SENSORS, lines_of
 
     talk("Values as printed, with their unit; Enter where a data sheet prints none.")
@@ -112,8 +113,7 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
                 said["meaning"] = _answer(f"  meaning ({_MEANINGS})", "1 sigma")
                 if one.name == "bias_stability":
                     said["definition"] = _answer(f"  definition ({_OF})", "sigma")
-                pairs = (f"{key}: {scalar(text)}" for key, text in said.items())
-                entry = {(sensor, one.name): f"{{{', '.join(pairs)}}}"}
+                entry = {(sensor, one.name): flow(said, scalar)}
                 try:
                     new_device(one.name, name, source, entry)
                 except SpecError as error:

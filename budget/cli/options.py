@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.inputs.records import Device, Requirement
-    from budget.results import Assessment, Settings
+    from budget.results import Assessment
+    from budget.settings import Settings
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
@@ -556,35 +557,25 @@ class Asked:
         CallError
             An option asks for another one than the requirement does.
         """
-        from budget.methods.sobol import SAMPLES
-        from budget.names import Name
-        from budget.question import choose_basis
-        from budget.results import Settings
+        from budget import settings
 
-        basis = choose_basis(
-            requirement, coverage=self.coverage, reference=self.reference
-        )
-        with_indices = self.sobol or self.samples
-        return Settings(
+        return settings.Asked(
             method=self.method,
             trials=self.trials,
             digits=self.digits,
             max_trials=self.max_trials,
             validate=not self.no_validate,
             seed=self.seed,
-            coverage=basis.coverage,
+            coverage=self.coverage,
             interval=self.interval,
-            reference=basis.reference,
-            sobol_samples=(self.samples or SAMPLES) if with_indices else None,
-            only=tuple(map(Name, self.only or ())),
+            reference=self.reference,
+            sobol=self.sobol,
+            samples=self.samples,
+            only=self.only or (),
             matrices=self.matrices,
             missing=self.missing,
-            outputs=tuple(
-                Name(name.strip())
-                for names in self.outputs or ()
-                for name in names.split(",")
-            ),
-        )
+            outputs=self.outputs or (),
+        ).settle(requirement)
 
 
 def spell_out(command: Callable[..., None]) -> Callable[..., None]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
-    from budget.studies.progress import Engine
+    from budget.settings import Engine
 
 
 REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own

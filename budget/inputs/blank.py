@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from budget.inputs.makers import MEANINGS, PAGE, UNITS, printed_as
 from budget.inputs.ranges import IS
 from budget.inputs.reader import parse
 from budget.inputs.specification import HALF_WIDTHS, SIGMAS
+from budget.inputs.tree import block, scalar
 from budget.model.sources import SENSORS, lines_of
 from budget.model.sources.later import AGEING
 from budget.names import keys_of
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
 BLANK = "___"  # in the place of a number: no file with one is valid
-_PLAIN = re.compile(r"[\w.][^:#,\[\]{}\n]*[^:#,\[\]{}\s]|\w")
 
 
 def split_line(text: str) -> tuple[str, str, str]:
@@ -76,57 +75,51 @@ def _text(
     name: str, source: str, lines: Mapping[tuple[str, str], str], sensors: set[str]
 ) -> Iterator[str]:
     """Yield the lines of a device file."""
-    yield "# A device: what its data sheet prints, as printed."
-    yield f"# How to read a data sheet: {PAGE}; units: {UNITS}"
-    yield "# Check with: budget validate FILE"
-    yield f"# To give one remove its '#' and put the value for {BLANK}; where more is"
-    yield "# printed: {value: ___ ppm, meaning: typical, condition: 25 °C}. Meanings:"
-    yield f"# {', '.join([*SIGMAS, *HALF_WIDTHS])}: {MEANINGS}"
-    yield "format: budget-device/1"
-    yield f"name: {scalar(name)}"
-    yield f"source: {scalar(source)}" if source else "# source: document, revision"
-    yield "# vendor:"
-    yield "# technology: FOG, RLG, MEMS, ..."
-    yield "# gravity_unit: 9.80708 m/s^2 # where g is not 9.80665 m/s^2"
-    yield f"# range: {{gyro: {BLANK} deg/s, accelerometer: {BLANK} g}} # {IS}"
+    yield from block(
+        (
+            "A device: what its data sheet prints, as printed.",
+            f"How to read a data sheet: {PAGE}; units: {UNITS}",
+            "Check with: budget validate FILE",
+            f"To give one remove its '#' and put the value for {BLANK}; where more is",
+            "printed: {value: ___ ppm, meaning: typical, condition: 25 °C}. Meanings:",
+            f"{', '.join([*SIGMAS, *HALF_WIDTHS])}: {MEANINGS}",
+            ("format", "budget-device/1"),
+            ("name", scalar(name)),
+            ("source", scalar(source)) if source else "source: document, revision",
+            "vendor:",
+            "technology: FOG, RLG, MEMS, ...",
+            "gravity_unit: 9.80708 m/s^2 # where g is not 9.80665 m/s^2",
+            f"range: {{gyro: {BLANK} deg/s, accelerometer: {BLANK} g}} # {IS}",
+        )
+    )
     for sensor in SENSORS:
         off = "" if sensor in sensors else "# "
         mine = {line: value for (own, line), value in lines.items() if own == sensor}
         yield f"{off}{sensor}:"
         empty = "" if mine or off else " {} # the first one takes the place of {}"
         yield f"{off}  errors:{empty}"
-        known = {line.name: line for line in lines_of(sensor)}
-        for line, source_line in known.items():
-            words = f"{source_line.model}; {printed_as(line)}"
-            yield from wrap(
-                words,
-                88,
-                initial_indent="    # ",
-                subsequent_indent="    #   ",
-                break_on_hyphens=False,
-            )
-            if line in mine:
-                yield f"    {line}: {_value(mine[line])}"
-            else:
-                blank = f"{BLANK} {source_line.like(sensor)}"
-                if line in AGEING.values():
-                    blank = f"{{value: {blank}, horizon: {BLANK} year}}"
-                yield f"    # {line}: {blank}"
-        for line in mine.keys() - known.keys():
-            yield f"    {scalar(line)}: {_value(mine[line])}"
-    yield "# Printed values that are no specification of the model:"
-    yield "# figures:"
-    yield "#   - {name: gyro.bandwidth, value: 262 Hz, condition: configurable}"
+        yield from block(_errors(sensor, mine), "    ")
+    yield from block(
+        (
+            "Printed values that are no specification of the model:",
+            "figures:",
+            "  - {name: gyro.bandwidth, value: 262 Hz, condition: configurable}",
+        )
+    )
 
 
-def _value(text: str) -> str:
-    """Return a value as YAML: a mapping in braces as it is, or a text."""
-    return text if text.startswith("{") else scalar(text)
-
-
-def scalar(text: str) -> str:
-    """Return a text as a YAML scalar."""
-    if _PLAIN.fullmatch(text) and not re.fullmatch(r"[\d.eE+-]+|true|false|null", text):
-        return text
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+def _errors(sensor: str, given: Mapping[str, str]) -> Iterator[str | tuple[str, str]]:
+    """Yield every line of a triad, as a comment where it is not given."""
+    values = {
+        line: text if text.startswith("{") else scalar(text)
+        for line, text in given.items()
+    }
+    known = {line.name: line for line in lines_of(sensor)}
+    for line, source in known.items():
+        words = f"{source.model}; {printed_as(line)}"
+        yield from wrap(words, 82, subsequent_indent="  ", break_on_hyphens=False)
+        blank = f"{BLANK} {source.like(sensor)}"
+        if line in AGEING.values():
+            blank = f"{{value: {blank}, horizon: {BLANK} year}}"
+        yield (line, values[line]) if line in values else f"{line}: {blank}"
+    yield from ((scalar(line), values[line]) for line in values.keys() - known.keys())

@@ -6,16 +6,24 @@ rules and refused in the same words.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
-from budget.errors import CallError, Issue, UnitError
+from budget.errors import CallError, UnitError
 from budget.inputs.checking import nearest
 from budget.inputs.composer import UNSAFE, compose, forbid
-from budget.inputs.tree import Node, all_of, describe, merge
+from budget.inputs.tree import (
+    Node,
+    all_of,
+    describe,
+    flow,
+    issue_at,
+    merge,
+    put,
+    quoted,
+)
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS, lines_of
 from budget.names import ANGLES, AXES, Name, keys_of, words
 from budget.sentences import sentence
@@ -32,13 +40,14 @@ _OF_THE_OLD = {"source", "condition", "includes"}
 _SIZES = {"value", "axes"}
 _NOMINAL = {"bias": AXES, "mounting_angle": ANGLES}
 _ABSENT = "not given"
+EXACT = "exact"  # meaning of a 0 that is meant, and no line that nobody gives
 RANGE = "range"  # of a triad: it stands beside the sensors in a file
 _LONGEST = 1000  # characters of a change
 _EXAMPLE = "gyro.bias_stability='0.02 deg/h'"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Change:
+class Override:
     """One value that is another one than in the file.
 
     Attributes
@@ -47,8 +56,13 @@ class Change:
         As it was given.
     device : str
         The device that it is of, as FILE, FILE#VARIANT or #VARIANT; '' of all.
-    sensor, place, line : str
-        'gyro', 'errors', 'nominal' or 'range', and the key under it, '' of a range.
+    address : Name
+        What is changed, as results name it.
+    path : tuple of str
+        Where it stands in a device file: sensor, 'errors' or 'nominal', and the key
+        under it; or 'range' and the sensor.
+    axes : tuple of str
+        Of the line; () of one that is not known.
     inside : tuple of str
         Keys below that, an axis among them; () of the line as a whole.
     node : Node
@@ -57,41 +71,15 @@ class Change:
 
     text: str
     device: str
-    sensor: str
-    place: str
-    line: str
+    address: Name
+    path: tuple[str, ...]
+    axes: tuple[str, ...]
     inside: tuple[str, ...]
     node: Node
 
-    @property
-    def address(self) -> Name:
-        """What is changed, as results name it."""
-        if self.place == "errors":
-            return Name(self.line, owner=self.sensor)
-        if self.place == RANGE:
-            return Name(RANGE, owner=self.sensor)
-        return Name(self.place, owner=self.sensor, axis=self.line)
-
-    @property
-    def path(self) -> tuple[str, ...]:
-        """Where it stands in a device file."""
-        if self.place == RANGE:
-            return (RANGE, self.sensor)
-        return (self.sensor, self.place, self.line)
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Axes of the line; () of one that is not known."""
-        if self.place == RANGE:
-            return AXES
-        if self.place == "nominal":
-            return _NOMINAL.get(self.line, ())
-        known = {line.name: line.axes for line in lines_of(self.sensor)}
-        return known.get(self.line, ())
-
     def is_of(self, file: NamedFile, variant: str, root: Node) -> bool:
         """Whether a device has that sensor, and is the one that is named, if any is."""
-        if root.child(self.sensor) is None:
+        if root.child(self.address.owner) is None:
             return False
         names = {file.shown, file.path.name, file.path.stem}
         marked = {f"{name}#{variant}" for name in (*names, "")} if variant else set()
@@ -125,17 +113,15 @@ def texts_of(changes: Changes) -> tuple[str, ...]:
 
 def _value(value: object) -> str:
     """Write the value of a change as a file would have it on one line."""
-    if isinstance(value, str):
-        return value
     try:
-        return json.dumps(value, ensure_ascii=False, allow_nan=False)
+        return value if isinstance(value, str) else flow(value, quoted)
     except (TypeError, ValueError, RecursionError) as error:
         raise CallError(
             f"changes: {error}; a value is a text, a number, or a list or dict of them"
         ) from None
 
 
-def read_change(text: str) -> Change:
+def read_change(text: str) -> Override:
     """Read SENSOR.LINE=VALUE, with an axis or a key after the line.
 
     Raises
@@ -160,12 +146,10 @@ def read_change(text: str) -> Change:
         )
     sensor, *keys = keys_of(path.strip())
     if sensor not in SENSORS or not keys or not all(keys):
-        known = tuple(
-            Name(line.name, owner=owner)
-            for owner in SENSORS
-            for line in lines_of(owner)
-        )
-        every = (*known, *(name.without_owner for name in known))
+        names = [
+            Name(x.name, owner=owner) for owner in SENSORS for x in lines_of(owner)
+        ]
+        every = (*names, *(name.without_owner for name in names))
         raise CallError(
             f"--set: {path.strip()!r} is no specification of a sensor, expected "
             f"SENSOR.SPEC with {' or '.join(SENSORS)}, as "
@@ -173,21 +157,25 @@ def read_change(text: str) -> Change:
         )
     place = keys.pop(0) if keys[0] in {"errors", "nominal"} and keys[1:] else "errors"
     line, *inside = keys
+    where: tuple[str, ...] = (sensor, place, line)
+    known = {one.name: one.axes for one in lines_of(sensor)}
     if line == RANGE:
-        place, line = RANGE, ""
+        place, where, known = RANGE, (RANGE, sensor), {RANGE: AXES}
+    address = Name(line, owner=sensor)
+    if place == "nominal":
+        address, known = Name(place, owner=sensor, axis=line), _NOMINAL
     label = f"--set {path.strip()}"
-    node, issues = compose(value.strip(), label)
+    node, issues = compose(value.strip(), label, path=".".join((*where, *inside)))
     if issues:
         raise all_of(issues)
-    at = (RANGE, sensor) if place == RANGE else (sensor, place, line)
-    return Change(
+    return Override(
         text=text,
         device=device,
-        sensor=sensor,
-        place=place,
-        line=line,
+        address=address,
+        path=where,
+        axes=known.get(line, ()),
         inside=tuple(inside),
-        node=_labelled(node, label, ".".join(filter(None, (*at, *inside)))),
+        node=node,
     )
 
 
@@ -205,66 +193,37 @@ def _whose(path: str, known: tuple[str, ...]) -> str:
     return hint
 
 
-def _labelled(node: Node, label: str, path: str) -> Node:
-    """Return a node that says where it is from, and stands at that path."""
-    value = node.value
-    if isinstance(value, dict):
-        value = {
-            key: _labelled(child, label, f"{path}.{key}")
-            for key, child in value.items()
-        }
-    elif isinstance(value, tuple):
-        value = tuple(
-            _labelled(child, label, f"{path}[{place}]")
-            for place, child in enumerate(value)
-        )
-    return replace(node, value=value, path=path, file=label)
-
-
-def apply(root: Node, change: Change) -> Node:
+def apply(root: Node, change: Override) -> Node:
     """Lay a change over the nodes of a device."""
-    over = change.node
-    base = _at(root, change)
+    over, base = change.node, _there(root, change)
     if isinstance(over.value, tuple) and change.axes and not change.inside:
         over = _by_axis(over, change)
-    if change.place == "errors":
+    if "errors" in change.path:
         over = _line(base, over, change)
     elif change.inside:
         over = _by_key(base, over, change)
-    if change.place == RANGE:
-        root = _with_ranges(root)
-    for key in reversed(change.path):
-        over = replace(change.node, value={key: over}, path="")
-    return _replaced(root, over, depth=len(change.path))
+    return put(_with_ranges(root, change), change.path, over)
 
 
-def _with_ranges(root: Node) -> Node:
+def _there(root: Node, change: Override) -> Node | None:
+    """Return what stands now where a change is."""
+    return _with_ranges(root, change).find(change.path)
+
+
+def _with_ranges(root: Node, change: Override) -> Node:
     """Return a device whose range, where it is a text, stands by its sensor."""
     node = root.child(RANGE)
-    if (
-        node is None
-        or not isinstance(node.value, str)
-        or not isinstance(root.value, dict)
-    ):
+    if node is None or not isinstance(node.value, str) or RANGE not in change.path:
         return root
     try:
         parse_quantity(node.value.removeprefix("±"), "deg/s")
         sensor = GYRO
     except UnitError:
         sensor = ACCELEROMETER
-    ranges = replace(node, value={sensor: node})
-    return replace(root, value={**root.value, RANGE: ranges})
+    return put(root, (RANGE,), replace(node, value={sensor: node}))
 
 
-def _at(root: Node, change: Change) -> Node | None:
-    """Return what stands there now."""
-    node: Node | None = _with_ranges(root) if change.place == RANGE else root
-    for key in change.path:
-        node = None if node is None else node.child(key)
-    return node
-
-
-def _by_axis(over: Node, change: Change) -> Node:
+def _by_axis(over: Node, change: Override) -> Node:
     """Turn a list of values into a mapping of axes.
 
     Raises
@@ -278,45 +237,31 @@ def _by_axis(over: Node, change: Change) -> Node:
             f"found a list of {len(items)}, expected {len(change.axes)} values: "
             f"{', '.join(change.axes)}"
         )
-        raise all_of(
-            [
-                Issue(
-                    file=over.file,
-                    line=over.at.line,
-                    column=over.at.column,
-                    field=over.path,
-                    message=message,
-                )
-            ]
-        )
+        raise all_of([issue_at(over, message)])
     axes = replace(over, value=dict(zip(change.axes, items, strict=True)))
-    return replace(over, value={"axes": axes}) if change.place == "errors" else axes
+    return replace(over, value={"axes": axes}) if "errors" in change.path else axes
 
 
-def _line(base: Node | None, over: Node, change: Change) -> Node:
+def _line(base: Node | None, over: Node, change: Override) -> Node:
     """Return a line with the change in it, and with no word of the old source."""
-    known: dict[str, Node] = {}
-    if base is not None:
-        known = base.value if isinstance(base.value, dict) else {"value": base}
-    lasting = {key: one for key, one in known.items() if key not in _OF_THE_OLD}
-    if "meaning" in lasting and lasting["meaning"].value == "exact":
-        del lasting["meaning"]  # of the old 0
-    sizes = {key: one for key, one in lasting.items() if key in _SIZES}
-    kept = {key: one for key, one in lasting.items() if key not in _SIZES}
+    known = {} if base is None else {"value": base}
+    if base is not None and isinstance(base.value, dict):
+        known = base.value
+    kept = {
+        key: one
+        for key, one in known.items()
+        if key not in _OF_THE_OLD
+        and not (key == "meaning" and one.value == EXACT)  # of the old 0
+    }
     if change.inside:
-        first, *rest = change.inside
-        if first in change.axes:
-            first, rest = "axes", list(change.inside)
-        for key in reversed(rest):
-            over = replace(over, value={key: over})
-        line = replace(over, value={**sizes, **kept})
-        new = merge(line, replace(over, value={first: over}), short=True)
-    elif isinstance(over.value, dict):
-        if over.value.keys() & _SIZES:
-            sizes = {}
-        new = replace(over, value={**sizes, **kept, **over.value})
+        is_axis = change.inside[0] in change.axes
+        steps = ("axes", *change.inside) if is_axis else change.inside
+        new = merge(replace(over, value=kept), put(None, steps, over), short=True)
     else:
-        new = replace(over, value={**kept, "value": over})
+        own = over.value if isinstance(over.value, dict) else {"value": over}
+        if own.keys() & _SIZES:
+            kept = {key: one for key, one in kept.items() if key not in _SIZES}
+        new = replace(over, value={**kept, **own})
     fields = dict(new.value) if isinstance(new.value, dict) else {}
     if "density" in fields and not per_root_hertz(_shown(new)):
         del fields["density"]
@@ -324,28 +269,12 @@ def _line(base: Node | None, over: Node, change: Change) -> Node:
     return replace(new, value={"source": told, **fields})
 
 
-def _by_key(base: Node | None, over: Node, change: Change) -> Node:
+def _by_key(base: Node | None, over: Node, change: Override) -> Node:
     """Return nominal values, or a range, with that of one axis changed."""
-    known: dict[str, Node] = {}
+    known = {} if base is None else dict.fromkeys(change.axes, base)
     if base is not None and isinstance(base.value, dict):
         known = {key: one for key, one in base.value.items() if key != "condition"}
-    elif base is not None:
-        known = dict.fromkeys(change.axes, base)
-    (axis, *_) = change.inside
-    return replace(over, value={**known, axis: over})
-
-
-def _replaced(base: Node, over: Node, *, depth: int) -> Node:
-    """Lay one path over another; what stands at its end is replaced."""
-    if depth == 0 or not isinstance(base.value, dict):
-        return over
-    merged = dict(base.value)
-    for key, child in over.value.items() if isinstance(over.value, dict) else ():
-        known = merged.get(key)
-        merged[key] = (
-            child if known is None else _replaced(known, child, depth=depth - 1)
-        )
-    return replace(base, value=merged)
+    return replace(over, value={**known, change.inside[0]: over})
 
 
 @written(
@@ -377,12 +306,12 @@ class Changed(Documented):
 
 
 def tell_changes(
-    before: Node, after: Node, changes: Iterable[Change]
+    before: Node, after: Node, changes: Iterable[Override]
 ) -> tuple[Changed, ...]:
     """Say what each change changed."""
     told: dict[Name, Changed] = {}
     for change in changes:
-        old, new = _at(before, change), _at(after, change)
+        old, new = _there(before, change), _there(after, change)
         earlier = told.get(change.address)
         told[change.address] = Changed(
             texts=(*(earlier.texts if earlier else ()), change.text),
@@ -411,7 +340,7 @@ def _shown(node: Node) -> str:
     return node.written or describe(node.value)
 
 
-def check_used(changes: Sequence[Change], used: Iterable[str]) -> None:
+def check_used(changes: Sequence[Override], used: Iterable[str]) -> None:
     """Refuse a change that reaches none of the devices.
 
     Raises
@@ -423,9 +352,10 @@ def check_used(changes: Sequence[Change], used: Iterable[str]) -> None:
     for text in used:
         left.pop(text, None)
     for change in left.values():
+        sensor = change.address.owner
         whose = f" called {change.device!r}" if change.device else ""
         raise CallError(
             f"--set {change.text}: no device here{whose} has "
-            f"{'an' if change.sensor[0] in 'aeiou' else 'a'} {change.sensor}; give one "
+            f"{'an' if sensor[0] in 'aeiou' else 'a'} {sensor}; give one "
             "that has, or leave this change out"
         )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
     from budget.errors import Issue
-    from budget.inputs.tree import Document, Node
+    from budget.inputs.tree import Node, YamlFile
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -69,7 +69,7 @@ _EXPECTED = {
 
 
 def check(
-    document: Document,
+    document: YamlFile,
     model: type[Model],
     *,
     root: Node | None = None,
@@ -184,7 +184,7 @@ def _see(steps: Sequence[str | int]) -> str:
 
 
 def _issue(
-    document: Document, root: Node, model: type[BaseModel], detail: ErrorDetails
+    document: YamlFile, root: Node, model: type[BaseModel], detail: ErrorDetails
 ) -> Issue:
     """Say one finding of pydantic in our words, at its place in the file."""
     steps = detail["loc"]

@@ -24,7 +24,7 @@ from budget.inputs.tree import (
     LONGEST_SHOWN,
     MOST_ISSUES,
     START,
-    Mark,
+    Location,
     Node,
     all_of,
     describe,
@@ -68,8 +68,11 @@ _INTEGER = re.compile("[+-]?(?:0|[1-9][0-9]{0,17})")
 _FLOAT = re.compile(NUMBER)
 
 
-def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
+def compose(text: str, file: str, *, path: str = "") -> tuple[Node, list[Issue]]:
     """Compose the only document of a text; messages name it `file`.
+
+    Where it stands for a part of another file, `path` is that part, and all nodes name
+    this one.
 
     Returns its root and what did not stop the reading: duplicate and unreadable keys,
     empty values, aliases, anchors and tags.
@@ -79,7 +82,7 @@ def compose(text: str, file: str) -> tuple[Node, list[Issue]]:
     SpecError
         The text is no YAML, has a second document or breaks a limit.
     """
-    composer = _Composer(text, file)
+    composer = _Composer(text, file, path)
     try:
         return composer.document(), composer.issues
     except MarkedYAMLError as error:
@@ -102,10 +105,11 @@ def forbid(character: str) -> str:
 class _Composer:
     """Takes parser events one by one, so that no limit is passed before it is seen."""
 
-    def __init__(self, text: str, file: str) -> None:
+    def __init__(self, text: str, file: str, path: str) -> None:
         self.events: Iterator[Event] = yaml.parse(text, Loader=LOADER)
         self.written = text.rstrip()
-        self.file = file
+        self.file, self.path = file, path
+        self.own = file if path else ""  # name of every node
         self.issues: list[Issue] = []
         self.nodes = 0
         self.latest = START  # where the node that was entered last stands
@@ -115,7 +119,7 @@ class _Composer:
         root = None
         for event in self.events:
             if isinstance(event, NodeEvent):
-                root = self.node(event, "", 1)
+                root = self.node(event, self.path, 1)
             elif isinstance(event, DocumentStartEvent) and root is not None:
                 message = "a second document starts here, expected one in a file"
                 raise self.stop(self.place(event.start_mark), message)
@@ -124,7 +128,7 @@ class _Composer:
         return root
 
     def node(
-        self, event: Event, path: str, level: int, key: Mark | None = None
+        self, event: Event, path: str, level: int, key: Location | None = None
     ) -> Node:
         """Return the node that starts with this event."""
         at = self.enter(event, path, level)
@@ -144,7 +148,14 @@ class _Composer:
             elif unsafe := UNSAFE.search(written):
                 self.report(at, path, forbid(unsafe[0]))
                 value = None
-        return Node(value=value, written=written, path=path, at=at, key=key or at)
+        return Node(
+            value=value,
+            written=written,
+            path=path,
+            at=at,
+            key=key or at,
+            file=self.own,
+        )
 
     def mapping(self, path: str, level: int) -> dict[str, Node]:
         """Return the values by key, up to the end of the mapping."""
@@ -160,7 +171,7 @@ class _Composer:
         nodes.pop("", None)
         return nodes
 
-    def key(self, event: Event, path: str, level: int) -> tuple[str, Mark]:
+    def key(self, event: Event, path: str, level: int) -> tuple[str, Location]:
         """Return a key and its place; '' where it is no word, which is an issue."""
         if isinstance(event, ScalarEvent):
             word, mark = event.value, self.enter(event, path, level)
@@ -178,7 +189,7 @@ class _Composer:
             nodes.append(self.node(event, f"{path}[{len(nodes)}]", level + 1))
         return tuple(nodes)
 
-    def enter(self, event: Event, path: str, level: int) -> Mark:
+    def enter(self, event: Event, path: str, level: int) -> Location:
         """Count a node, hold the limits and report what hides what a file says."""
         at = self.latest = self.place(event.start_mark)
         self.nodes += 1
@@ -195,7 +206,7 @@ class _Composer:
             self.report(at, path, f"tag {describe(str(tag))}; remove it")
         return at
 
-    def report(self, mark: Mark, path: str, message: str) -> None:
+    def report(self, mark: Location, path: str, message: str) -> None:
         """Keep an issue."""
         self.issues.append(
             Issue(
@@ -209,16 +220,16 @@ class _Composer:
         if len(self.issues) > MOST_ISSUES:
             raise all_of(self.issues)
 
-    def place(self, mark: MarkInC | MarkInPython | None) -> Mark:
+    def place(self, mark: MarkInC | MarkInPython | None) -> Location:
         """Return a place counted from 1; of what is missing, where the text ends."""
         if mark is None:
             return START
         if mark.index < len(self.written):
-            return Mark(mark.line + 1, mark.column + 1)
+            return Location(mark.line + 1, mark.column + 1)
         *before, last = BREAK.split(self.written)
-        return Mark(len(before) + 1, len(last) + 1)
+        return Location(len(before) + 1, len(last) + 1)
 
-    def stop(self, mark: Mark, message: str) -> SpecError:
+    def stop(self, mark: Location, message: str) -> SpecError:
         """Return the error of a file that is not read on."""
         self.report(mark, "", message)
         return all_of(self.issues)

@@ -17,7 +17,7 @@ from budget.sentences import sentence
 from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.model.source import Source
 
 # Their product, a (u_ref/u)^p, stays a number for every line that a device may have.
@@ -72,7 +72,7 @@ def costs_file_type() -> type[CostsBase]:
     return create_model("Costs", __base__=CostsBase, costs=(costs, ...))
 
 
-def read_costs(document: Document) -> Costs:
+def read_costs(document: YamlFile) -> Costs:
     """Turn a costs file into a record.
 
     Raises

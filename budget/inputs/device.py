@@ -60,10 +60,10 @@ from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from budget.inputs.changes import Change
+    from budget.inputs.changes import Override
     from budget.inputs.makers import Density
     from budget.inputs.ranges import RangeValue
-    from budget.inputs.tree import Document, Node
+    from budget.inputs.tree import Node, YamlFile
     from budget.model.source import Source
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
@@ -305,7 +305,7 @@ def whole_file_type() -> type[Base]:
     return _file_type(value_type)
 
 
-def variant_names(document: Document) -> tuple[str, ...]:
+def variant_names(document: YamlFile) -> tuple[str, ...]:
     """Return the variants of a device file, '' for its base unless it is abstract."""
     names = tuple(_variants(document))
     if not _is_abstract(document.root):
@@ -317,7 +317,7 @@ def variant_names(document: Document) -> tuple[str, ...]:
 
 
 def read_device(
-    document: Document, variant: str = "", changes: Sequence[Change] = ()
+    document: YamlFile, variant: str = "", changes: Sequence[Override] = ()
 ) -> Device:
     """Turn a device file, or one variant in it, into a record in SI.
 
@@ -376,7 +376,7 @@ def read_device(
     )
 
 
-def _variants(document: Document) -> dict[str, Node]:
+def _variants(document: YamlFile) -> dict[str, Node]:
     """Return the overrides by name; the parts that none may override are refused."""
     node = document.root.child("variants")
     if node is None or node.value is None:
@@ -406,7 +406,7 @@ def _variants(document: Document) -> dict[str, Node]:
     return node.value
 
 
-def root_of(document: Document, variant: str) -> Node:
+def root_of(document: YamlFile, variant: str) -> Node:
     """Return the nodes of the base, with one variant laid over them.
 
     Raises

@@ -20,7 +20,7 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from budget.inputs.tree import Document, Node
+    from budget.inputs.tree import Node, YamlFile
 
 # The folder of the shipped files of each kind; of costs there are none.
 FOLDERS = {
@@ -111,7 +111,7 @@ def _written(mapping: Mapping[str, object]) -> bytes:
         ) from None
 
 
-def open_file(file: NamedFile, kind: str | None = None) -> Document:
+def open_file(file: NamedFile, kind: str | None = None) -> YamlFile:
     """Read a file and find its kind from its keys.
 
     Raises
@@ -222,7 +222,7 @@ def lies_in(path: Path, tree: Path) -> bool:
 
 
 @contextmanager
-def unshown(path: Path, what: str, document: Document, node: Node) -> Iterator[None]:
+def unshown(path: Path, what: str, document: YamlFile, node: Node) -> Iterator[None]:
     """Read a file that another one names at `node`; show nothing of a stranger's.
 
     Whoever writes a file for others could else name any file of theirs, and have lines
@@ -248,7 +248,7 @@ def unshown(path: Path, what: str, document: Document, node: Node) -> Iterator[N
         raise all_of([document.issue(node, message)]) from None
 
 
-def _check_format(document: Document) -> None:
+def _check_format(document: YamlFile) -> None:
     """Refuse a file that was written for a later version of this program."""
     node = document.root.child("format")
     version = re.fullmatch(

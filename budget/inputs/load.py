@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.errors import Issue
-    from budget.inputs.changes import Change, Changes
+    from budget.inputs.changes import Changes, Override
     from budget.inputs.files import File, NamedFile
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
 
 
 P = TypeVar("P")
@@ -151,7 +151,7 @@ def try_changed(
 
 
 def _load(
-    path: File, changes: Sequence[Change], *, variants: bool
+    path: File, changes: Sequence[Override], *, variants: bool
 ) -> tuple[Device, ...]:
     """Load the devices of one file, or the one that is named."""
     file = find(path, "device")
@@ -172,10 +172,10 @@ def _load(
 
 
 def _read(
-    document: Document, file: NamedFile, variant: str, changes: Sequence[Change]
+    document: YamlFile, file: NamedFile, variant: str, changes: Sequence[Override]
 ) -> Device:
     """Read one device with those of the changes that are its own."""
-    own: Sequence[Change] = ()
+    own: Sequence[Override] = ()
     if changes:
         root = root_of(document, variant)
         own = [change for change in changes if change.is_of(file, variant, root)]
@@ -478,7 +478,7 @@ def try_valid(
     return found, issues
 
 
-def _validate(path: File, changes: Sequence[Change]) -> Checked:
+def _validate(path: File, changes: Sequence[Override]) -> Checked:
     """Check one file with those of the changes that are its own."""
     file = find(path)
     document = open_file(file)
@@ -526,7 +526,7 @@ def _validate(path: File, changes: Sequence[Change]) -> Checked:
 
 
 _READERS: dict[
-    str, Callable[[Document], Procedure | Station | Mission | Requirement | Costs]
+    str, Callable[[YamlFile], Procedure | Station | Mission | Requirement | Costs]
 ] = {
     "procedure": read_procedure,
     "station": read_station,
@@ -536,7 +536,7 @@ _READERS: dict[
 }
 
 
-def _open(path: File, kind: str) -> Document:
+def _open(path: File, kind: str) -> YamlFile:
     """Open a file that can have no variants."""
     file = find(path, kind)
     _refuse_variant(file)

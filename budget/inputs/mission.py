@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema, core_schema
 
     from budget.inputs.trajectory import Recorded
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
 
 PERFECT = "perfect"
 COORDINATED = "coordinated"
@@ -731,7 +731,7 @@ class MissionFile(Strict):
         return tuple(found)
 
 
-def read_mission(document: Document) -> Mission:
+def read_mission(document: YamlFile) -> Mission:
     """Turn a mission file into a record, in SI.
 
     Raises
@@ -757,7 +757,7 @@ def read_mission(document: Document) -> Mission:
         places = ((document.root.nearest(at), text) for at, text in messages.items())
         raise all_of(document.issue(node, text) for node, text in places)
     return Mission(
-        name=model.name or document.base_name.partition(".")[0],
+        name=model.name or document.stem,
         route=route,
         alignment=part.alignment_time.value if part.alignment_time else 0.0,
         aided=part.altitude != FREE,
@@ -794,7 +794,7 @@ def _largest_speed(track: Track, begin: float, end: float) -> float:
     return float(speeds.max(initial=0.0))
 
 
-def _recorded(document: Document, part: MissionPart) -> Recorded:
+def _recorded(document: YamlFile, part: MissionPart) -> Recorded:
     """Read the recording that a mission names, beside it.
 
     Raises

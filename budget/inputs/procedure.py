@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema, core_schema
 
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.model.windows import Window
 
 
@@ -454,13 +454,13 @@ class ProcedureFile(Strict):
         )
 
 
-def read_procedure(document: Document, station: Document | None = None) -> Procedure:
+def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Procedure:
     """Turn a procedure file into a record, in SI.
 
     Parameters
     ----------
-    document : Document
-    station : Document, optional
+    document : YamlFile
+    station : YamlFile, optional
         The file of the station that it names; without it that file is looked for.
 
     Raises
@@ -474,7 +474,7 @@ def read_procedure(document: Document, station: Document | None = None) -> Proce
     gyro, accelerometer = model.gyro, model.accelerometer
     shared = (STATION, ENVIRONMENT)
     origin = Origin(file=document.base_name, sha256=document.sha256)
-    name = model.name or document.base_name.partition(".")[0]
+    name = model.name or document.stem
     named = model.station if isinstance(model.station, str) else None
     own = None if named else model.station
     here = station_of(own, model.environment, name=name, origin=origin)

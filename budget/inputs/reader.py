@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from budget.errors import Issue, SpecError
 from budget.inputs.composer import BREAK, UNSAFE, compose, forbid
-from budget.inputs.tree import START, Document, Mark
+from budget.inputs.tree import START, Location, YamlFile
 from budget.journal import note_read
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ MOST_BYTES = 64 * 1024
 INPUT = "standard input"  # its name in messages and results
 
 
-def read(path: Path, shown: str, content: bytes | None = None) -> Document:
+def read(path: Path, shown: str, content: bytes | None = None) -> YamlFile:
     """Read one file, which messages name `shown`: its nodes, and its lesser issues.
 
     What it holds may be known already: then nothing is read from the disk.
@@ -68,12 +68,12 @@ def _read_stream(stream: TextIO) -> bytes:
 # A run names a file more than once: as a device, in the catalogue, in a reference. All
 # that ships fits in, and more: a catalogue read in order would drive itself out.
 @lru_cache(maxsize=512)
-def parse(data: bytes, shown: str, *, base_name: str) -> Document:
+def parse(data: bytes, shown: str, *, base_name: str) -> YamlFile:
     """Read the bytes of a file; as `read`, also before there is a file."""
     if len(data) > MOST_BYTES:
         raise refuse(shown, f"is larger than {MOST_BYTES} bytes, the most allowed")
     root, issues = compose(_decode(data, shown), shown)
-    return Document(
+    return YamlFile(
         file=shown,
         base_name=base_name,
         sha256=sha256(data).hexdigest(),
@@ -83,7 +83,7 @@ def parse(data: bytes, shown: str, *, base_name: str) -> Document:
     )
 
 
-def refuse(shown: str, message: str, mark: Mark = START) -> SpecError:
+def refuse(shown: str, message: str, mark: Location = START) -> SpecError:
     """Return the error that a file as a whole is refused with."""
     issue = Issue(
         file=shown, line=mark.line, column=mark.column, field="", message=message
@@ -132,7 +132,7 @@ def _decode(data: bytes, shown: str) -> str:
     return text
 
 
-def _mark_after(text: str) -> Mark:
+def _mark_after(text: str) -> Location:
     """Return the place that follows a text."""
     lines = BREAK.split(text)
-    return Mark(len(lines), len(lines[-1]) + 1)
+    return Location(len(lines), len(lines[-1]) + 1)

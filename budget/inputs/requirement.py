@@ -45,7 +45,7 @@ from budget.units import Quantity
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
 
 COVERAGE = "95 %"
 REFERENCE = "next_turn_on"
@@ -202,7 +202,7 @@ _LIMITS: Any = (_limits_type(), RequirementBase.model_fields["limits"])
 RequirementFile = create_model("Requirement", __base__=RequirementBase, limits=_LIMITS)
 
 
-def read_requirement(document: Document) -> Requirement:
+def read_requirement(document: YamlFile) -> Requirement:
     """Turn a requirement file into a record, in SI, one limit an output.
 
     Raises

@@ -22,6 +22,7 @@ from pydantic import Field, create_model, model_validator
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
 from budget.errors import UnitError
+from budget.inputs.changes import EXACT
 from budget.inputs.fields import (
     Measured,
     OrText,
@@ -66,7 +67,6 @@ if TYPE_CHECKING:
     from budget.model.source import Source
 
 # What is printed, over the standard uncertainty [1].
-EXACT = "exact"  # meaning of a 0 that is meant, and no line that nobody gives
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
 # The half-width, over what is printed [1].
 HALF_WIDTHS = {"max": 1.0, "peak to peak": 0.5}

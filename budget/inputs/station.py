@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import NamedFile
     from budget.inputs.records import Procedure
     from budget.inputs.specification import ReadValue
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.model.source import Source
     from budget.units import Quantity
 
@@ -212,7 +212,7 @@ class StationFile(Strict):
         return self
 
 
-def read_station(document: Document) -> Station:
+def read_station(document: YamlFile) -> Station:
     """Turn a station file into a record, in SI.
 
     Raises
@@ -224,7 +224,7 @@ def read_station(document: Document) -> Station:
     return station_of(
         model.station,
         model.environment,
-        name=model.name or document.base_name.partition(".")[0],
+        name=model.name or document.stem,
         origin=Origin(file=document.base_name, sha256=document.sha256),
     )
 
@@ -273,13 +273,13 @@ def _unsaid(station: Strict | None) -> tuple[str, ...]:
     )
 
 
-def named_station(document: Document) -> str:
+def named_station(document: YamlFile) -> str:
     """Return the name of the station that a procedure file names; '' if it does not."""
     node = document.root.child(STATION)
     return node.value if node is not None and isinstance(node.value, str) else ""
 
 
-def station_file(document: Document) -> NamedFile:
+def station_file(document: YamlFile) -> NamedFile:
     """Find the station that a procedure names: beside it, else as commands find it.
 
     Raises

@@ -40,10 +40,9 @@ ordinary regression, s^2 (1 + x0 (X'X)^-1 x0') (Seber, Lee, 5.3).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import lru_cache
-from math import sqrt
-from typing import TYPE_CHECKING, Self
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -54,6 +53,8 @@ from budget.names import Name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.inputs.records import Device
@@ -77,6 +78,7 @@ ROUNDS_NEAR = 1  # from a fit of figures of which one device is as before
 # Designs that give a line, of which one more can be predicted: fewer say nothing of
 # the spread between designs.
 LEAST_DESIGNS = 3
+KEPT = 1000  # fits, of devices that are predicted again and again
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,128 +182,217 @@ def predict(
     Prediction or None
         None where no line can be predicted.
     """
-    same = [one for one in catalogue if one.as_printed == device.as_printed]
-    if same:  # also out of another file: the same data sheet is no other witness
-        device = replace(device, origin=same[0].origin)
-    meant = device if technology is None else replace(device, technology=technology)
-    wanted = {name: figure_of(meant, name) for name in missing}
-    if not technology and [figures_of(one) for one in same] == [figures_of(device)]:
-        return _fit(tuple(catalogue)).predict(wanted)
-    others = [one for one in catalogue if one not in same]
-    if technology:
-        near = _fit(tuple(catalogue) if same else (*others, device))
-        return Fit.of(_figures((*others, meant)), near=near).predict(wanted)
-    return _fit((*others, device)).predict(wanted)
+    known = _Member.of(device, catalogue)
+    meant = known.device
+    if technology is not None:
+        meant = replace(meant, technology=technology)
+    fit = _fit_all([known], technology)[0]
+    if fit is None:
+        return None
+    return fit.predict({name: figure_of(meant, name) for name in missing})
+
+
+def prepare(devices: Iterable[Device], catalogue: Sequence[Device]) -> None:
+    """Fit what predictions of several devices take: at once, which is sooner done."""
+    members = [_Member.of(one, catalogue) for one in devices]
+    untold = [one for one in members if _known_family(one.device) == ""]
+    _fit_all(members, None)
+    for word in FAMILIES if untold else ():
+        _fit_all(untold, word)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Member:
+    """A device among others, whose figures it stands beside, or in the place of."""
+
+    device: Device  # of the design that it is of there
+    others: tuple[Device, ...]
+    variants: tuple[Device, ...]  # of its design among them
+    is_there: bool  # as it is
+    is_printed: bool  # there is one of its name
+
+    @classmethod
+    def of(cls, device: Device, catalogue: Sequence[Device]) -> _Member:
+        """Find its design; out of another file it is no other witness of itself."""
+        same = [one for one in catalogue if one.as_printed == device.as_printed]
+        if same:
+            device = replace(device, origin=same[0].origin)
+        design = _design(device)
+        variants = [
+            one for one in catalogue if _design(one) == design and one not in same
+        ]
+        stands = bool(variants or figures_of(device))
+        is_there = [figures_of(one) for one in same] == [figures_of(device)]
+        left = [
+            one for one in same if not (is_there or (stands and _design(one) == design))
+        ]
+        return cls(
+            device=device,
+            others=tuple(one for one in catalogue if one not in left)
+            if left
+            else tuple(catalogue),
+            variants=tuple(variants),
+            is_there=is_there,
+            is_printed=bool(same),
+        )
+
+    def figures(self, technology: str | None) -> tuple[LogLine, ...]:
+        """Return those of its design, of that technology where its own is not known."""
+        if self.is_there and technology is None:
+            return ()
+        own: Iterable[Device] = (*self.variants, self.device)
+        if technology is not None:
+            own = [replace(one, technology=technology) for one in own]
+        return tuple(_figures(own))
+
+
+def _fit_all(members: Sequence[_Member], technology: str | None) -> list[Fit | None]:
+    """Return the fits that predictions of devices take; None: nothing is given.
+
+    Those of a technology that nobody told start near those without.
+    """
+    found: dict[int, Fit] = {}
+    alike: dict[tuple[Device, ...], list[int]] = {}
+    for k, one in enumerate(members):
+        alike.setdefault(one.others, []).append(k)
+    for devices, places in alike.items():
+        others = _others(devices)
+        those = [members[k] for k in places]
+        figures = [one.figures(technology) for one in those]
+        near = None
+        if technology is not None:
+            near = others.fits(
+                [() if one.is_printed else one.figures(None) for one in those]
+            )
+        if others.designs or any(figures):
+            fits = others.fits(figures, near=near)
+            found |= dict(zip(places, fits, strict=True))
+    return [found.get(k) for k in range(len(members))]
 
 
 def predict_figures(
     given: Sequence[LogLine], wanted: dict[Name, LogLine]
 ) -> Prediction | None:
-    """Predict figures from others; arguments as of `predict`."""
-    return Fit.of(given).predict(wanted)
+    """Predict figures of one device from given ones; arguments as of `predict`."""
+    return Fit.of(given).predict(wanted) if given else None
+
+
+class Design:
+    """Figures of one design, and what every fit takes of them.
+
+    Attributes
+    ----------
+    figures : sequence of LogLine
+        Of one design.
+    number : ndarray, shape (q,)
+        Of figures of each line.
+    middle : ndarray, shape (q,)
+        Mean of their logarithms about the origin of the line; 0 where there is none.
+    forms : ndarray, shape (3, q, q)
+        Z' N^-1 Z, Z' N^-1 Y Z and Z' Y N^-1 Y Z: N the covariance of the figures, over
+        r and at w = 1, Y the diagonal matrix of their logarithms, Z telling their line.
+    """
+
+    def __init__(
+        self, figures: Sequence[LogLine], lines: Sequence[str], origin: Array
+    ) -> None:
+        self.figures = figures
+        Z = _same([each.line for each in figures], lines)
+        self.number = Z.sum(axis=0)
+        y = np.array([each.log_u for each in figures]) - Z @ origin
+        self.middle = y @ Z / np.maximum(self.number, 1.0)
+        inverse = np.linalg.inv(_alike(figures, figures))
+        of_y = Z * y[:, None]
+        self.forms = np.stack(
+            [Z.T @ inverse @ Z, Z.T @ inverse @ of_y, of_y.T @ inverse @ of_y]
+        )
+
+    @property
+    def name(self) -> str:
+        """Name of the design."""
+        return self.figures[0].groups[DESIGN]
+
+    @property
+    def technology(self) -> str:
+        """Its technology; the name of the design where nobody knows it."""
+        return self.figures[0].groups[0]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """Given figures, and what every prediction from them needs."""
+    """Scale, weights and means fitted to figures, and what predictions take of them."""
 
-    given: tuple[LogLine, ...]
-    spread: dict[str, float]  # of each line [1]
-    trust: dict[str, float]  # w of each design [1]
-    mean: Array  # of each line, in the order of `spread`, shape (q,) [ln SI]
+    designs: tuple[Design, ...]
+    lines: tuple[str, ...]
+    origin: Array  # that logarithms are counted from, shape (q,) [ln SI]
+    technologies: tuple[str, ...]
+    spread: Array  # r of each line, shape (q,) [1]
+    weights: Array  # w of each design [1]
+    mean: Array  # of each line over r, from the origin, shape (q,)
     spread_of_mean: Array  # its covariance over sigma^2, shape (q, q)
-    inverse: Array  # of the covariance over sigma^2, shape (n, n)
-    inverse_lines: Array  # times H, shape (n, q)
-    weights: Array  # the inverse times what is left of the logarithms, shape (n,)
+    # Effects of the technologies over r, and what their figures weigh in it:
+    # (1 + S A)^-1 S, S the sum of w Z' N^-1 Z, shapes (t, q) and (t, q, q).
+    effect: Array
+    given: Array
     df: float
     sigma_2: float
 
     @classmethod
-    def of(cls, given: Sequence[LogLine], *, near: Fit | None = None) -> Self:
+    def of(cls, given: Sequence[LogLine], *, near: Fit | None = None) -> Fit:
         """Fit scale and weights to figures; soon, where one is `near` that of them."""
-        alike = _alike(given, given)
-        trust = dict.fromkeys((each.groups[DESIGN] for each in given), 1.0)
-        with small_blocks():
-            fit = cls._at(given, alike, trust | (near.trust if near else {}))
-            for _ in range(ROUNDS_NEAR if near else ROUNDS):
-                fit = cls._at(given, alike, fit.reweighted(alike))
-        return fit
+        others = Others.of(given)
+        return others.fits([()], near=None if near is None else [near])[0]
 
-    @classmethod
-    def _at(
-        cls,
-        given: Sequence[LogLine],
-        alike: tuple[Array, Array],
-        trust: dict[str, float],
-    ) -> Self:
-        """Fit the scale at weights of designs."""
-        spread = spreads(given, trust)
-        y = np.array([each.log_u for each in given])
-        inverse = np.asarray(
-            np.linalg.inv(_scaled(alike, given, given, spread, trust).sum(axis=0))
-        )
-        lines = _lines(given, spread)
-        inverse_lines = inverse @ lines
-        spread_of_mean = np.asarray(np.linalg.inv(lines.T @ inverse_lines))
-        mean = spread_of_mean @ (inverse_lines.T @ y)
-        left = y - lines @ mean
-        weights = inverse @ left
-        df = DF_0 + len(given) - len(spread)
-        return cls(
-            given=tuple(given),
-            spread=spread,
-            trust=trust,
-            mean=mean,
-            spread_of_mean=spread_of_mean,
-            inverse=inverse,
-            inverse_lines=inverse_lines,
-            weights=weights,
-            df=df,
-            sigma_2=(DF_0 + float(left @ weights)) / df,
-        )
-
-    def reweighted(self, alike: tuple[Array, Array]) -> dict[str, float]:
-        """Return E[w] of each design at this fit.
-
-        e = R/w K^-1 (y - H m), so d^2 sigma^2 is e' K^-1 (y - H m)/w.
-        """
-        own = _scaled(alike, self.given, self.given, self.spread, self.trust)[1]
-        parts = self.weights * (own @ self.weights) / self.sigma_2
-        number, distance = dict.fromkeys(self.trust, 0), dict.fromkeys(self.trust, 0.0)
-        for each, part in zip(self.given, parts.tolist(), strict=True):
-            number[each.groups[DESIGN]] += 1
-            distance[each.groups[DESIGN]] += part
-        return {
-            design: (TAILS + number[design]) / (TAILS + distance[design] / w)
-            for design, w in self.trust.items()
-        }
+    @property
+    def trust(self) -> dict[str, float]:
+        """Weight w of each design [1]."""
+        names = (one.name for one in self.designs)
+        return dict(zip(names, self.weights.tolist(), strict=True))
 
     def predict(self, wanted: dict[Name, LogLine]) -> Prediction | None:
-        """Predict figures; None where too few designs give any of them."""
-        found = _witnesses(self.given, wanted)
+        """Predict figures of one device; None where too few designs give any of them.
+
+        Of a design whose figures lie z off the mean and its technology, a new one lies
+        n' N^-1 z off; that mean and effect are no surer than
+        A - A X A + (1 - A X) G (1 - A X)', X being `given`.
+        """
+        found = {
+            name: those
+            for name, one in wanted.items()
+            for those in [self._witnesses(one)]
+            if len({each.groups[DESIGN] for each in those}) >= LEAST_DESIGNS
+        }
         if not found:
             return None
-        names = tuple(found)
-        new = [wanted[name] for name in names]
-        across = covariance(new, self.given, self.spread, self.trust)
-        lines = _lines(new, self.spread)
-        with small_blocks():
-            off = lines - across @ self.inverse_lines
-            scale = (
-                covariance(new, new, self.spread, self.trust)
-                - across @ self.inverse @ across.T
-                + off @ self.spread_of_mean @ off.T
-            )
-            location = lines @ self.mean + across @ self.weights
-        own = [
-            sum(each.groups[DESIGN] == one.groups[DESIGN] for each in self.given)
-            for one in new
-        ]
+        new = [wanted[name] for name in found]
+        technology, design = new[0].groups[0], new[0].groups[DESIGN]
+        own = next((one for one in self.designs if one.name == design), None)
+        there = own.figures if own else ()
+        A, q = _technology(len(self.lines)), len(self.lines)
+        effect, X = np.zeros(q), np.zeros((q, q))
+        if technology in self.technologies:
+            place = self.technologies.index(technology)
+            effect, X = self.effect[place], self.given[place]
+        at = _same([one.line for one in new], self.lines)
+        Z = _same([one.line for one in there], self.lines)
+        y = (np.array([one.log_u for one in there]) - Z @ self.origin) @ np.diag(
+            1.0 / (Z @ self.spread)
+        )
+        n = _alike(new, there)
+        gain = np.linalg.solve(_alike(there, there), n.T).T
+        known, loss = at - gain @ Z, np.eye(q) - A @ X
+        w = self.weights[self.designs.index(own)] if own else 1.0
+        scale = (
+            known @ (A - A @ X @ A + loss @ self.spread_of_mean @ loss.T) @ known.T
+            + (_alike(new, new) - gain @ n.T) / w
+        )
+        r = at @ self.spread
+        location = at @ self.origin + r * (known @ (self.mean + effect) + gain @ y)
         return Prediction(
-            names=names,
+            names=tuple(found),
             location=location,
-            scale=self.sigma_2 * (scale + scale.T) / 2.0,
-            df=min(self.df, TAILS + min(own)),
+            scale=self.sigma_2 * np.outer(r, r) * (scale + scale.T) / 2.0,
+            df=min(self.df, TAILS + len(there)),
             devices=tuple(
                 tuple(dict.fromkeys(each.device for each in those))
                 for those in found.values()
@@ -311,92 +402,281 @@ class Fit:
             ),
         )
 
-
-def _witnesses(
-    given: Sequence[LogLine], wanted: dict[Name, LogLine]
-) -> dict[Name, list[LogLine]]:
-    """Return who else gives each line, where that are designs enough."""
-    witnesses = {
-        name: [
+    def _witnesses(self, wanted: LogLine) -> list[LogLine]:
+        """Return who else gives a line."""
+        return [
             each
-            for each in given
-            if each.line == one.line and each.groups[DESIGN] != one.groups[DESIGN]
+            for one in self.designs
+            if one.name != wanted.groups[DESIGN]
+            for each in one.figures
+            if each.line == wanted.line
         ]
-        for name, one in wanted.items()
-    }
-    return {
-        name: those
-        for name, those in witnesses.items()
-        if len({each.groups[DESIGN] for each in those}) >= LEAST_DESIGNS
-    }
 
 
-def spreads(given: Sequence[LogLine], trust: dict[str, float]) -> dict[str, float]:
-    """Return the moderated spread of designs in each line, over that of all [1].
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Others:
+    """Figures that many fits share, each of which has one design more or another.
 
-    Each design counts with its weight w.
+    As K is N/w + Z A Z' within a technology, all that a fit needs are sums over designs
+    of w times their `forms` (Woodbury), of many fits at once; each one is the same,
+    digit by digit, whichever others are beside it.
     """
-    sizes: dict[str, dict[str, list[float]]] = {}
-    for each in given:
-        sizes.setdefault(each.line, {}).setdefault(each.groups[DESIGN], []).append(
-            each.log_u
+
+    designs: tuple[Design, ...]
+    lines: tuple[str, ...]
+    origin: Array  # shape (q,) [ln SI]
+    # Fits that were made, by the figures of the member and whether from near.
+    kept: dict[tuple[tuple[LogLine, ...], bool], Fit] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, figures: Sequence[LogLine]) -> Others:
+        """Sort figures by their design."""
+        sizes: dict[str, list[float]] = {}
+        designs: dict[str, list[LogLine]] = {}
+        for each in figures:
+            sizes.setdefault(each.line, []).append(each.log_u)
+            designs.setdefault(each.groups[DESIGN], []).append(each)
+        origin = np.array([np.mean(values) for values in sizes.values()])
+        lines = tuple(sizes)
+        return cls(
+            designs=tuple(Design(own, lines, origin) for own in designs.values()),
+            lines=lines,
+            origin=origin,
         )
-    squares, df = {}, {}
-    for line, designs in sizes.items():
-        means = np.array([np.mean(values) for values in designs.values()])
-        w = np.array([trust[design] for design in designs])
-        squares[line] = float(
-            (w * np.square(means - np.average(means, weights=w))).sum()
+
+    def fits(
+        self,
+        members: Sequence[Sequence[LogLine]],
+        *,
+        near: Sequence[Fit] | None = None,
+    ) -> list[Fit]:
+        """Return a fit for each member: with its figures, all of one design.
+
+        They stand for those that the others have of that design; soon, from fits that
+        are `near` them.
+        """
+        words = {one.technology for one in self.designs}
+        keys = [(tuple(member), near is not None) for member in members]
+        if len(self.kept) > KEPT:
+            self.kept.clear()
+        found = {key: self.kept[key] for key in keys if key in self.kept}
+        alike: dict[tuple[tuple[str, ...], bool, str], list[int]] = {}
+        for k, (member, key) in enumerate(zip(members, keys, strict=True)):
+            if key in found:
+                continue
+            word = member[0].groups[0] if member else ""
+            of_one = word if word in words else ""
+            more = tuple(sorted({one.line for one in member} - {*self.lines}))
+            alike.setdefault((more, bool(member), of_one), []).append(k)
+        for (more, *_), places in alike.items():
+            own = self._with(more)
+            with small_blocks():
+                fits = own.fits_alike(
+                    [members[k] for k in places],
+                    None if near is None else [near[k] for k in places],
+                )
+            found |= dict(zip((keys[k] for k in places), fits, strict=True))
+        self.kept.update(found)
+        return [found[key] for key in keys]
+
+    def _with(self, more: tuple[str, ...]) -> Others:
+        """Return the others with lines more, that none of them gives."""
+        if not more:
+            return self
+        lines = (*self.lines, *more)
+        origin = np.append(self.origin, np.zeros(len(more)))
+        return Others(
+            designs=tuple(Design(one.figures, lines, origin) for one in self.designs),
+            lines=lines,
+            origin=origin,
         )
-        df[line] = len(means) - 1
-    common = sum(squares.values()) / max(sum(df.values()), 1)
-    if common == 0.0:
-        return dict.fromkeys(sizes, 1.0)
-    return {
-        line: sqrt((WITNESSES + squares[line] / common) / (WITNESSES + df[line]))
-        for line in sizes
-    }
+
+    def fits_alike(
+        self, members: Sequence[Sequence[LogLine]], near: Sequence[Fit] | None
+    ) -> list[Fit]:
+        """Fit at once what is of one technology, or of none that others are of."""
+        own = [Design(each, self.lines, self.origin) for each in members if each]
+        every = [(*self.designs, *own[k : k + 1]) for k in range(len(members))]
+        slots = [*dict.fromkeys(one.technology for one in self.designs)]
+        slot = [slots.index(one.technology) for one in self.designs]
+        if own:
+            word = own[0].technology
+            slot.append(slots.index(word) if word in slots else len(slots))
+        order = np.argsort(slot, kind="stable")
+        # What a member has in the place of a design of the others.
+        replaced = np.array(
+            [[one.name == each[-1].name for one in each] for each in every]
+        )
+        replaced[:, -1] = False
+        if not own:
+            replaced[:] = False
+        sums = _Sums(
+            number=self._stacked("number", own, replaced)[:, order],
+            middle=self._stacked("middle", own, replaced)[:, order],
+            forms=self._stacked("forms", own, replaced)[:, order],
+            slot=np.array(slot)[order],
+        )
+        trust = [one.trust for one in near] if near else [{} for _ in members]
+        w = np.array(
+            [
+                [known.get(one.name, 1.0) for one in each]
+                for known, each in zip(trust, every, strict=True)
+            ]
+        )[:, order]
+        number = sums.number.sum(axis=2)
+        for _ in range(ROUNDS_NEAR if near else ROUNDS):
+            w = (TAILS + number) / (TAILS + sums.at(w).distance)
+        found = sums.at(w)
+        fits = []
+        for k, each in enumerate(every):
+            kept = np.flatnonzero(~replaced[k]).tolist()
+            fits.append(
+                Fit(
+                    designs=tuple(each[place] for place in kept),
+                    lines=self.lines,
+                    origin=self.origin,
+                    technologies=(*slots, *(one.technology for one in own[k : k + 1])),
+                    weights=w[k, np.argsort(order)[kept]],
+                    spread=found.spread[k],
+                    mean=found.mean[k],
+                    spread_of_mean=found.spread_of_mean[k],
+                    effect=found.effect[k],
+                    given=found.given[k],
+                    df=float(sums.df[k]),
+                    sigma_2=float(found.sigma_2[k]),
+                )
+            )
+        return fits
+
+    def _stacked(
+        self, what: str, own: Sequence[Design], replaced: NDArray[np.bool_]
+    ) -> Array:
+        """Return what designs have, of every fit, with zeros for what is replaced."""
+        q = len(self.lines)
+        shape = {"forms": (3, q, q)}.get(what, (q,))
+        found = np.zeros((*replaced.shape, *shape))
+        for place, one in enumerate(self.designs):
+            found[:, place] = getattr(one, what)
+        for k, one in enumerate(own):
+            found[k, -1] = getattr(one, what)
+        found[replaced] = 0.0
+        return found
 
 
-def covariance(
-    rows: Sequence[LogLine],
-    columns: Sequence[LogLine],
-    spread: dict[str, float],
-    trust: dict[str, float],
-) -> Array:
-    """Return the covariance of figures over sigma^2, shape (rows, columns)."""
-    both = _scaled(_alike(rows, columns), rows, columns, spread, trust)
-    return np.asarray(both.sum(axis=0))
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _FitsAt:
+    """Fits at weights of their designs, and how far off each design lies."""
+
+    spread: Array  # shape (b, q) [1]
+    mean: Array  # shape (b, q)
+    spread_of_mean: Array  # shape (b, q, q)
+    effect: Array  # shape (b, t, q)
+    given: Array  # shape (b, t, q, q)
+    sigma_2: Array  # shape (b,)
+    distance: Array  # d^2 of each design, shape (b, d)
 
 
-def _scaled(
-    alike: tuple[Array, Array],
-    rows: Sequence[LogLine],
-    columns: Sequence[LogLine],
-    spread: dict[str, float],
-    trust: dict[str, float],
-) -> Array:
-    """Return what technology, and what design and all within it, add to that."""
-    r_rows, r_columns = ([spread[f.line] for f in those] for those in (rows, columns))
-    w_rows, w_columns = (
-        np.array([trust.get(f.groups[DESIGN], 1.0) for f in those])
-        for those in (rows, columns)
-    )
-    wide, narrow = alike
-    narrow = narrow / np.sqrt(np.outer(w_rows, w_columns))
-    return np.stack([wide, narrow]) * np.outer(r_rows, r_columns)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sums:
+    """What designs have, of b fits at once, technology by technology.
+
+    Every product is of one fit: matrices of many are never multiplied in one, whose
+    rounding would depend on how many there are.
+    """
+
+    number: Array  # shape (b, d, q)
+    middle: Array  # shape (b, d, q)
+    forms: Array  # shape (b, d, 3, q, q)
+    slot: NDArray[np.intp]  # of the technology of each design, ascending, shape (d,)
+
+    @property
+    def df(self) -> Array:
+        """Degrees of freedom, shape (b,)."""
+        each = self.number.sum(axis=1)
+        return np.asarray(DF_0 + each.sum(axis=1) - (each > 0.0).sum(axis=1))
+
+    def at(self, w: Array) -> _FitsAt:
+        """Fit means and scale at weights, shape (b, d).
+
+        With z = y/r - m - u of a design, u the effect of its technology, e = K^-1 (y -
+        H m) is w N^-1 z/r there, so d^2 sigma^2 is z' N^-1 z.
+        """
+        b, d, q = self.number.shape
+        spread = self._spread(w)
+        over = 1.0 / spread
+        flat = self.forms.reshape(b, d, 3, q * q)
+        starts = np.searchsorted(self.slot, np.arange(self.slot[-1] + 1))
+        # Z' N^-1 y/r and (y/r)' N^-1 y/r of each design.
+        of_y = (self.forms[:, :, 1].reshape(b, d * q, q) @ over[..., None]).reshape(
+            b, d, q
+        )
+        twice = (over[:, :, None] * over[:, None, :]).reshape(b, q * q, 1)
+        of_yy = (flat[:, :, 2] @ twice)[..., 0]
+        S = np.add.reduceat(w[..., None] * flat[:, :, 0], starts, axis=1)
+        S = S.reshape(b, -1, q, q)
+        Sy = np.add.reduceat(w[..., None] * of_y, starts, axis=1)
+        A = _technology(q)
+        found = np.linalg.solve(
+            np.eye(q) + S @ A, np.concatenate([S, Sy[..., None]], axis=-1)
+        )
+        given, of_given = found[..., :q], found[..., q]
+        is_absent = self.number.sum(axis=1) == 0.0
+        spread_of_mean = np.linalg.inv(
+            given.sum(axis=1) + is_absent[..., None] * np.eye(q)
+        )
+        mean = (spread_of_mean @ of_given.sum(axis=1)[..., None])[..., 0]
+        left = of_given - (given @ mean[:, None, :, None])[..., 0]
+        effect = (A @ left[..., None])[..., 0]
+        at = (mean[:, None] + effect)[:, self.slot]
+        distance = (
+            of_yy
+            - 2.0 * (at * of_y).sum(axis=2)
+            + (at * (self.forms[:, :, 0] @ at[..., None])[..., 0]).sum(axis=2)
+        )
+        chi = (w * distance).sum(axis=1) + (effect * left).sum(axis=(1, 2))
+        sigma_2 = (DF_0 + chi) / self.df
+        return _FitsAt(
+            spread=spread,
+            mean=mean,
+            spread_of_mean=spread_of_mean,
+            effect=effect,
+            given=given,
+            sigma_2=sigma_2,
+            distance=distance / sigma_2[:, None],
+        )
+
+    def _spread(self, w: Array) -> Array:
+        """Return the moderated spread of designs in each line, over that of all [1].
+
+        Each design counts with its weight w.
+        """
+        w = w[..., None] * (self.number > 0.0)
+        average = (w * self.middle).sum(axis=1) / np.maximum(w.sum(axis=1), 1e-300)
+        squares = (w * np.square(self.middle - average[:, None])).sum(axis=1)
+        df = np.maximum((self.number > 0.0).sum(axis=1) - 1.0, 0.0)
+        common = squares.sum(axis=1) / np.maximum(df.sum(axis=1), 1.0)
+        common = common[:, None]
+        over = np.divide(squares, common, out=df.copy(), where=common > 0.0)
+        return np.asarray(np.sqrt((WITNESSES + over) / (WITNESSES + df)))
 
 
-def _alike(rows: Sequence[LogLine], columns: Sequence[LogLine]) -> tuple[Array, Array]:
-    """Return the same for spreads and weights of 1, (rows, columns) each."""
+def _technology(q: int) -> Array:
+    """Return A, the covariance of the effects of a technology over sigma^2 r r'."""
+    v, rho = LEVELS["technology"]
+    return np.asarray(v * (rho + (1.0 - rho) * np.eye(q)))
+
+
+def _alike(rows: Sequence[LogLine], columns: Sequence[LogLine]) -> Array:
+    """Return N of figures of one design, shape (rows, columns)."""
     same_line = _same([f.line for f in rows], [f.line for f in columns])
-    parts = [
-        v
-        * _same([f.groups[level] for f in rows], [f.groups[level] for f in columns])
-        * (rho + (1.0 - rho) * same_line)
-        for level, (v, rho) in enumerate(LEVELS.values())
-    ]
-    return sum(parts[:DESIGN], 0.0 * same_line), sum(parts[DESIGN:], 0.0 * same_line)
+    return np.asarray(
+        sum(
+            v
+            * _same([f.groups[level] for f in rows], [f.groups[level] for f in columns])
+            * (rho + (1.0 - rho) * same_line)
+            for level, (v, rho) in list(enumerate(LEVELS.values()))[DESIGN:]
+        )
+    )
 
 
 def figures_of(device: Device) -> dict[Name, LogLine]:
@@ -416,12 +696,14 @@ def figure_of(device: Device, name: Name) -> LogLine:
     return _figure(device, name.owner, stand_in(name), 0.0)
 
 
+@cache
 def stand_in(name: Name) -> Source:
     """Return the line that stands for an expected one: of noises a random walk."""
     own = (one for one in stand_ins(name.owner) if one.expected == name.quantity)
     return next(own, None) or source_of(name.owner, name.quantity)
 
 
+@cache
 def stand_ins(kind: str) -> tuple[Source, ...]:
     """Return the lines that stand for all expected ones."""
     first: dict[str, Source] = {}
@@ -434,14 +716,12 @@ def stand_ins(kind: str) -> tuple[Source, ...]:
 def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
     """Return a line of a device; one of like unit is compared across sensors."""
     units = {source.like(each) for each in SENSORS}
-    design = device.origin.sha256 or device.name
+    design = _design(device)
     quantity = source.expected or source.name
     own = f"{design}, {device.name}"
-    known = family(device.technology)
-    known = known if known in FAMILIES else ""
     return LogLine(
         # Of a technology that is not told nobody knows what is like it.
-        groups=(known or design, design, own, f"{own}, {kind}"),
+        groups=(_known_family(device) or design, design, own, f"{own}, {kind}"),
         line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
         device=device.name,
         log_u=log_u,
@@ -449,19 +729,25 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
 
 
 @lru_cache(maxsize=2)
-def _fit(devices: tuple[Device, ...]) -> Fit:
-    """Return the fit of all figures of devices."""
-    return Fit.of(_figures(devices))
+def _others(devices: tuple[Device, ...]) -> Others:
+    """Return all figures of devices by their design."""
+    return Others.of(_figures(devices))
+
+
+def _design(device: Device) -> str:
+    """Return what a device is a variant of: its file, without one itself."""
+    return device.origin.sha256 or device.name
+
+
+def _known_family(device: Device) -> str:
+    """Return the family of a device; '' of a word that is no technology we know."""
+    found = family(device.technology)
+    return found if found in FAMILIES else ""
 
 
 def _figures(devices: Iterable[Device]) -> list[LogLine]:
     """Return all figures that devices give."""
     return [each for one in devices for each in figures_of(one).values()]
-
-
-def _lines(figures: Sequence[LogLine], spread: dict[str, float]) -> Array:
-    """Return H: 1 where a figure is of a line, shape (n, q)."""
-    return _same([each.line for each in figures], list(spread))
 
 
 def _same(rows: Sequence[str], columns: Sequence[str]) -> Array:

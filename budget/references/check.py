@@ -14,8 +14,8 @@ from budget.language import term
 from budget.references.difference import (
     EXACT,
     TOOL,
+    Alteration,
     Cause,
-    Change,
     Difference,
     compared,
     find_moves,
@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.references.difference import Move
     from budget.references.records import Asked, Item, Job, Snapshot, StoredInput
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 # What takes the place of causes where the stored inputs cannot be read.
-_UNREADABLE = Change(
+_UNREADABLE = Alteration(
     where=TOOL,
     key=term("stored inputs"),
     before=term("read when stored"),
@@ -48,16 +48,16 @@ _UNREADABLE = Change(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Side:
+class ReadBudget:
     """One of two budgets, with its inputs read."""
 
     name: str
-    inputs: tuple[Document, ...]
+    inputs: tuple[YamlFile, ...]
     budget: ReferenceBudget
     is_fresh: bool = False  # just computed of these inputs, not stored some time ago
 
     def again(
-        self, asked: Asked | None = None, inputs: tuple[Document, ...] | None = None
+        self, asked: Asked | None = None, inputs: tuple[YamlFile, ...] | None = None
     ) -> Snapshot | None:
         """Compute it with other settings or inputs; None where these are not sound."""
         own = self.budget.settings
@@ -92,7 +92,9 @@ def make_reference(
     )
 
 
-def side_of(budget: ReferenceBudget, *, name: str, is_fresh: bool = False) -> Side:
+def side_of(
+    budget: ReferenceBudget, *, name: str, is_fresh: bool = False
+) -> ReadBudget:
     """Return a reference, or what was just computed, as one side of a difference.
 
     Raises
@@ -101,7 +103,7 @@ def side_of(budget: ReferenceBudget, *, name: str, is_fresh: bool = False) -> Si
         A stored input cannot be read.
     """
     inputs = stored_documents(budget.inputs, reference=name, job=budget.job)
-    return Side(name=name, inputs=inputs, budget=budget, is_fresh=is_fresh)
+    return ReadBudget(name=name, inputs=inputs, budget=budget, is_fresh=is_fresh)
 
 
 def check(
@@ -143,7 +145,7 @@ def check(
         changes = (_UNREADABLE, *versions)
     else:
         if moves:
-            side = Side(name=name, inputs=inputs, budget=now, is_fresh=True)
+            side = ReadBudget(name=name, inputs=inputs, budget=now, is_fresh=True)
             changes, moves = explain(then, side, moves)
         else:
             files = (one.change for one in input_changes(then.inputs, inputs))
@@ -158,7 +160,7 @@ def check(
     )
 
 
-def compare_sides(first: Side, second: Side) -> Difference:
+def compare_sides(first: ReadBudget, second: ReadBudget) -> Difference:
     """Hold two budgets side by side, the largest change first.
 
     Largest is by the difference over the first side's standard uncertainty of the
@@ -187,8 +189,8 @@ def compare_sides(first: Side, second: Side) -> Difference:
 
 
 def explain(
-    before: Side, after: Side, moves: Sequence[Move]
-) -> tuple[tuple[Change, ...], tuple[Move, ...]]:
+    before: ReadBudget, after: ReadBudget, moves: Sequence[Move]
+) -> tuple[tuple[Alteration, ...], tuple[Move, ...]]:
     """Say what differs between two sides, and what each change did to each number.
 
     The side before is computed again with the tool as it is: what that moves is the
@@ -228,11 +230,13 @@ def explain(
 class _Effect:
     """One change, and by how much it alone moves each number [its unit]."""
 
-    change: Change
+    change: Alteration
     amounts: Mapping[Item, float]
 
 
-def _effect(change: Change, before: Snapshot | None, alone: Snapshot | None) -> _Effect:
+def _effect(
+    change: Alteration, before: Snapshot | None, alone: Snapshot | None
+) -> _Effect:
     """Return what a change alone does; where it cannot be tried, that is not known."""
     if before is None or alone is None:
         return _Effect(change=change, amounts={})
@@ -253,7 +257,7 @@ def _effects_of_tool(
     Versions cannot be exchanged: what they moved, they moved together.
     """
     versions = _changes(TOOL, before.versions, after.versions)
-    code = Change(
+    code = Alteration(
         where=TOOL,
         key=term("code"),
         before=term("as stored"),
@@ -268,7 +272,9 @@ def _effects_of_tool(
         yield _Effect(change=replace(one, acts=acts), amounts=amounts)
 
 
-def _tried(before: Side, after: Side) -> Iterator[tuple[Change, Snapshot | None]]:
+def _tried(
+    before: ReadBudget, after: ReadBudget
+) -> Iterator[tuple[Alteration, Snapshot | None]]:
     """Yield every difference of files and settings, and what it alone makes by the law.
 
     None where it cannot be tried.
@@ -286,10 +292,10 @@ def _tried(before: Side, after: Side) -> Iterator[tuple[Change, Snapshot | None]
 
 def _changes(
     where: str, before: Mapping[str, str], after: Mapping[str, str]
-) -> tuple[Change, ...]:
+) -> tuple[Alteration, ...]:
     """Return what differs between versions, or settings."""
     return tuple(
-        Change(
+        Alteration(
             where=where, key=key, before=before.get(key, ""), after=after.get(key, "")
         )
         for key in dict.fromkeys((*after, *before))

@@ -45,7 +45,7 @@ Pair = tuple[Stated | None, Stated | None]  # of one item, before and after
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Change:
+class Alteration:
     """One thing that is not what it was: a key of a file, a file, a version."""
 
     where: str  # 'device imu.yaml', or 'tool'
@@ -75,7 +75,7 @@ class Change:
 class Cause:
     """How much of a move one change explains."""
 
-    change: Change
+    change: Alteration
     amount: float  # [unit of the number], by the law
 
 
@@ -142,7 +142,7 @@ class Difference:
     before: ReferenceBudget
     after: ReferenceBudget
     moves: tuple[Move, ...]
-    changes: tuple[Change, ...]
+    changes: tuple[Alteration, ...]
 
     @property
     def job(self) -> str:

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 from budget.inputs.changes import apply
 from budget.inputs.device import root_of
 from budget.inputs.records import CHANGED
-from budget.inputs.tree import Document, Node, plain
-from budget.references.difference import Change
+from budget.inputs.tree import Node, YamlFile, flow, plain, put
+from budget.references.difference import Alteration
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.inputs.changes import Change as DeviceChange
+    from budget.inputs.changes import Override
+    from budget.inputs.tree import Steps
 
 LONGEST = 60  # characters of a value in a message
 LONGEST_FIGURE = 160  # of a figure with several of its keys
@@ -42,15 +43,13 @@ FIGURE_TEXTS = {"includes", "horizon", "condition", "source"}
 RANGE = "range"  # of the device, or under a sensor
 RANGE_TEXTS = {"options", "condition"}
 
-Steps = tuple[str | int, ...]
-
 
 @dataclass(frozen=True)
 class Exchanged:
     """A change of the inputs, and the inputs before with it alone."""
 
-    change: Change
-    inputs: tuple[Document, ...] | None = None  # None where it cannot be tried
+    change: Alteration
+    inputs: tuple[YamlFile, ...] | None = None  # None where it cannot be tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,26 +81,30 @@ class KeyChange:
 
 
 def effective(
-    document: Document, variant: str, changes: Sequence[DeviceChange] = ()
-) -> Document:
+    document: YamlFile, variant: str, changes: Sequence[Override] = ()
+) -> YamlFile:
     """Return a device file as one device: the variant over the base, changes over both.
 
     Figures get one shape, {value: ...}, so that a short one and a long one differ in
     their values only. The file is one that can be read (see inputs.device).
     """
-    root = _put(root_of(document, variant), ("abstract",), None)
+    root = put(root_of(document, variant), ("abstract",), None)
     for change in changes:
         root = apply(root, change)
+    for sensor in SENSORS:
+        errors = root.find((sensor, "errors"))
+        lines = errors.value if errors and isinstance(errors.value, dict) else {}
+        for line, figure in lines.items():
+            if isinstance(figure.value, str):
+                long = replace(figure, value={VALUE: figure}, written="")
+                root = put(root, (sensor, "errors", line), long)
     name = f"{document.base_name}#{variant}" if variant else document.base_name
-    return replace(
-        document,
-        root=_long_figures(root),
-        base_name=f"{name}{CHANGED}" if changes else name,
-    )
+    base_name = f"{name}{CHANGED}" if changes else name
+    return replace(document, root=root, base_name=base_name)
 
 
 def input_changes(
-    before: Sequence[Document], after: Sequence[Document]
+    before: Sequence[YamlFile], after: Sequence[YamlFile]
 ) -> tuple[Exchanged, ...]:
     """Return what differs between files, with the inputs before that have it alone.
 
@@ -109,7 +112,7 @@ def input_changes(
     """
     pairs = _pairs(before, after)
     found = [
-        Exchanged(Change(where=own.kind, key=own.base_name, before=was, after=now))
+        Exchanged(Alteration(where=own.kind, key=own.base_name, before=was, after=now))
         for side, paired, was, now in (
             (before, pairs.keys(), "there", ""),
             (after, pairs.values(), "", "there"),
@@ -122,7 +125,7 @@ def input_changes(
         same = own.base_name == after[other].base_name
         for key in differences(own, after[other]):
             was, now = key.shown
-            change = Change(
+            change = Alteration(
                 where=f"{own.kind} {own.base_name}" if same else own.kind,
                 key=key.path,
                 before=was,
@@ -134,7 +137,7 @@ def input_changes(
     return tuple(found)
 
 
-def differences(before: Document, after: Document) -> tuple[KeyChange, ...]:
+def differences(before: YamlFile, after: YamlFile) -> tuple[KeyChange, ...]:
     """Return every key that differs, in the order of the files.
 
     Several keys of one figure are one change of that figure: a meaning without the
@@ -152,7 +155,7 @@ def differences(before: Document, after: Document) -> tuple[KeyChange, ...]:
             continue
         root = before.root
         for change in own:
-            root = _put(root, change.steps, change.after)
+            root = put(root, change.steps, change.after)
         keys = tuple(dict.fromkeys(str(change.steps[FIGURE]) for change in own))
         was, now = before.root.nearest(steps), root.nearest(steps)
         found.append(KeyChange(steps=steps, before=was, after=now, keys=keys))
@@ -168,18 +171,18 @@ def is_text(role: str, steps: Steps) -> bool:
     )
 
 
-def exchange(document: Document, change: KeyChange) -> Document:
+def exchange(document: YamlFile, change: KeyChange) -> YamlFile:
     """Return the file before, with this one key as it is after."""
-    return replace(document, root=_put(document.root, change.steps, change.after))
+    return replace(document, root=put(document.root, change.steps, change.after))
 
 
 def show(node: Node | None, longest: int = LONGEST) -> str:
     """Write a value as a file would spell it, on one line; '' for none."""
-    text = "" if node is None else _flow(node)
+    text = "" if node is None else flow(node)
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 
-def _pairs(before: Sequence[Document], after: Sequence[Document]) -> dict[int, int]:
+def _pairs(before: Sequence[YamlFile], after: Sequence[YamlFile]) -> dict[int, int]:
     """Return which file is which: by role and name, a lone one of a role by role.
 
     Of several devices without a name in common none is the other's successor.
@@ -199,19 +202,6 @@ def _pairs(before: Sequence[Document], after: Sequence[Document]) -> dict[int, i
         if (other := next(fits, None)) is not None:
             pairs[place] = other
     return pairs
-
-
-def _long_figures(root: Node) -> Node:
-    """Write every figure under `errors` as a mapping."""
-    for sensor in SENSORS:
-        errors = (root.child(sensor) or root).child("errors")
-        if errors is None or not isinstance(errors.value, dict):
-            continue
-        for line, figure in errors.value.items():
-            if isinstance(figure.value, str):
-                long = replace(figure, value={VALUE: figure}, written="")
-                root = _put(root, (sensor, "errors", line), long)
-    return root
 
 
 def _differences(
@@ -249,33 +239,3 @@ def _only(node: Node | None, keys: set[str]) -> Node | None:
 def _are_records(a: tuple[Node, ...], b: tuple[Node, ...]) -> bool:
     """Whether two lists hold as many mappings; a list of words is one value."""
     return len(a) == len(b) and all(isinstance(item.value, dict) for item in (*a, *b))
-
-
-def _put(node: Node, steps: Steps, new: Node | None) -> Node:
-    """Return a node with another one at the end of the steps; None takes it away."""
-    if not steps:
-        return node if new is None else new
-    step, rest = steps[0], steps[1:]
-    if isinstance(node.value, tuple) and isinstance(step, int):
-        items = list(node.value)
-        items[step] = _put(items[step], rest, new)
-        return replace(node, value=tuple(items))
-    keys = dict(node.value) if isinstance(node.value, dict) else {}
-    name = str(step)
-    if rest:
-        keys[name] = _put(keys[name], rest, new)
-    elif new is None:
-        keys.pop(name, None)
-    else:
-        keys[name] = new
-    return replace(node, value=keys)
-
-
-def _flow(node: Node) -> str:
-    """Write a node in YAML's flow style."""
-    if isinstance(node.value, dict):
-        inside = ", ".join(f"{k}: {_flow(child)}" for k, child in node.value.items())
-        return f"{{{inside}}}"
-    if isinstance(node.value, tuple):
-        return f"[{', '.join(_flow(item) for item in node.value)}]"
-    return " ".join(node.written.split())

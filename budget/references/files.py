@@ -27,8 +27,8 @@ from budget.results import InputFile
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.changes import Change
-    from budget.inputs.tree import Document
+    from budget.inputs.changes import Override
+    from budget.inputs.tree import YamlFile
     from budget.references.records import Role
 
 FOLDER = "references"
@@ -110,7 +110,7 @@ def take(
 
 
 def _stored(
-    document: Document, role: Role, file: NamedFile, folder: Path | None
+    document: YamlFile, role: Role, file: NamedFile, folder: Path | None
 ) -> StoredInput:
     """Return a file that was read as a reference stores it."""
     ships = shipped("specs") / FOLDERS[role]
@@ -184,7 +184,7 @@ def with_changes(
     return tuple(taken)
 
 
-def _own(one: StoredInput, changes: Sequence[Change], job: str) -> tuple[str, ...]:
+def _own(one: StoredInput, changes: Sequence[Override], job: str) -> tuple[str, ...]:
     """Return those changes that a device, or any variant that it stands for, has."""
     if one.role != "device":
         return ()
@@ -197,7 +197,7 @@ def _own(one: StoredInput, changes: Sequence[Change], job: str) -> tuple[str, ..
     return tuple(change.text for change in changes if change.text in found)
 
 
-def _variants(document: Document, one: StoredInput, job: str) -> tuple[str, ...]:
+def _variants(document: YamlFile, one: StoredInput, job: str) -> tuple[str, ...]:
     """Return the devices that an input stands for: in a comparison every variant."""
     if job == "compare" and not one.variant:
         return variant_names(document)
@@ -205,8 +205,8 @@ def _variants(document: Document, one: StoredInput, job: str) -> tuple[str, ...]
 
 
 def _reaching(
-    document: Document, one: StoredInput, variant: str, changes: Sequence[Change]
-) -> list[Change]:
+    document: YamlFile, one: StoredInput, variant: str, changes: Sequence[Override]
+) -> list[Override]:
     """Return those changes that are of one device in a file."""
     root = root_of(document, variant)
     file = NamedFile(path=_locate(one, Path()), shown=one.file, variant=variant)
@@ -220,7 +220,7 @@ def present_documents(
     reference: str,
     job: str,
     root: Path | None = None,
-) -> tuple[Document, ...]:
+) -> tuple[YamlFile, ...]:
     """Return the inputs as their files are now, a device with its variant laid over.
 
     Paths count from `folder`, that of the reference; the files must be in `root`, or
@@ -234,7 +234,7 @@ def present_documents(
     SpecError
         A file cannot be read on.
     """
-    found: list[Document] = []
+    found: list[YamlFile] = []
     tree = tree_of(folder) if root is None else root
     named = any(one.role == "procedure" and _names_station(one) for one in inputs)
     for one in inputs:
@@ -271,7 +271,7 @@ def _names_station(one: StoredInput) -> bool:
 
 def stored_documents(
     inputs: Sequence[StoredInput], *, reference: str, job: str
-) -> tuple[Document, ...]:
+) -> tuple[YamlFile, ...]:
     """Return the inputs as a reference has them; '' for files that were just read.
 
     Raises
@@ -279,7 +279,7 @@ def stored_documents(
     SpecError
         An input is unsound.
     """
-    found: list[Document] = []
+    found: list[YamlFile] = []
     for one in inputs:
         shown = f"{reference}, stored {one.file}" if reference else one.file
         base_name = _locate(one, Path()).name
@@ -323,7 +323,7 @@ def digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def _documents(document: Document, one: StoredInput, job: str) -> list[Document]:
+def _documents(document: YamlFile, one: StoredInput, job: str) -> list[YamlFile]:
     """Return one input, or one for every variant in a comparison."""
     if one.role != "device":
         return [document]

@@ -19,7 +19,6 @@ from budget.model.sources import STATION
 from budget.names import MISSION
 from budget.question import (
     Question,
-    choose_basis,
     find_sources,
     needs_test,
     question_of,
@@ -40,7 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Device, Mission, Procedure, Requirement
-    from budget.inputs.tree import Document
+    from budget.inputs.tree import YamlFile
     from budget.references.records import Snapshot
     from budget.results import Budget
 
@@ -84,7 +83,7 @@ def check_asked(job: str, asked: Asked) -> None:
 
 
 def compute(
-    job: str, inputs: Sequence[Document], asked: Asked, *, workers: int = 1
+    job: str, inputs: Sequence[YamlFile], asked: Asked, *, workers: int = 1
 ) -> Snapshot:
     """Do a job on its inputs, devices first, in the order they were given.
 
@@ -166,7 +165,7 @@ def compute(
 
 
 def _procedures(
-    procedures: Sequence[Document], stations: Sequence[Document]
+    procedures: Sequence[YamlFile], stations: Sequence[YamlFile]
 ) -> list[Procedure]:
     """Read procedures with their station: that which some name, else that of all.
 
@@ -217,16 +216,13 @@ def _analyze(
     workers: int,
 ) -> Snapshot:
     """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    basis = choose_basis(
-        requirement, coverage=given.get("coverage"), reference=given.get("reference")
-    )
     budget = analyze(
         *devices,
         procedure=procedure,
         requirement=requirement,
         validate=False,
         workers=workers,
-        **(given | vars(basis)),
+        **given,
     )
     return _snapshot(budget)
 
@@ -246,7 +242,7 @@ def _snapshot(budget: Budget) -> Snapshot:
     return snapshot_of(budget.to_dict(), {"": sure} if sure else {})
 
 
-def _mission(document: Document) -> Mission:
+def _mission(document: YamlFile) -> Mission:
     """Read a mission; what a trajectory is in is a file that nobody stored.
 
     Raises
@@ -299,7 +295,7 @@ def _compare(
     return snapshot_of(document, errors)
 
 
-def _told_apart(devices: Sequence[Document]) -> list[Document]:
+def _told_apart(devices: Sequence[YamlFile]) -> list[YamlFile]:
     """Count the devices whose files have one name."""
     names = [one.base_name for one in devices]
     return [

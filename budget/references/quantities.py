@@ -116,7 +116,7 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
     words: list[NominalProperty] = []
     meanings = MEANINGS[document["command"]]
     above = _above(meanings)
-    for path, place, value in _leaves(document, "", _Place(), above):
+    for path, place, value in _leaves(document, "", _Where(), above):
         meaning = meanings.get(path)
         if meaning is None or value is None:
             continue
@@ -143,20 +143,20 @@ def device_of(document: Record, row: Record) -> str:
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Where:
     """Where a value stands: in which records, the document first, and what of."""
 
     records: tuple[Record, ...] = ()
     device: str = ""  # of a comparison
     name: Name = Name("requirement")  # noqa: RUF009 - as constant as any text
 
-    def within(self, record: Record) -> _Place:
+    def within(self, record: Record) -> _Where:
         """Return the place inside a record."""
         records = (*self.records, record)
         device = device_of(records[0], record) if "file" in record else self.device
         name = _name(record)
         # A contribution is one to the output around it.
-        return _Place(
+        return _Where(
             records, device, self.name if "share" in record else name or self.name
         )
 
@@ -169,8 +169,8 @@ class _Place:
 
 
 def _leaves(
-    node: object, path: str, place: _Place, wanted: AbstractSet[str] | None = None
-) -> Iterator[tuple[str, _Place, Any]]:
+    node: object, path: str, place: _Where, wanted: AbstractSet[str] | None = None
+) -> Iterator[tuple[str, _Where, Any]]:
     """Yield every value of a document with its path and its place.
 
     Of all keys, or of those whose paths are wanted: most of a document are matrices and
@@ -215,7 +215,7 @@ def _name(record: Record) -> Name:
 
 
 def _number(
-    meaning: Meaning, place: _Place, value: float, sure: StandardErrors | None
+    meaning: Meaning, place: _Where, value: float, sure: StandardErrors | None
 ) -> QuantityValue:
     """Return a number with its tolerance."""
     document, record = place.records[0], place.records[-1]

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.distributions import NORMAL
 from budget.errors import SpecError
+from budget.inputs.changes import EXACT
 from budget.inputs.device import read_device
 from budget.inputs.reader import parse
 from budget.inputs.records import ANGLES, AXES
 from budget.inputs.specification import (
     ALLAN_MINIMUM,
-    EXACT,
     HALF_WIDTHS,
     MEANING_READINGS,
     OVER_TEMPERATURE,
     divisor,
     time_of,
 )
+from budget.inputs.tree import block, flow, quoted
 from budget.units import (
     ARCSEC,
     DEG_PER_HOUR,
@@ -60,115 +59,121 @@ def device_yaml(
     (MARK) stands on both sides of every size of a line. A line whose meaning is open
     stays open.
     """
-    text = [
-        "format: budget-device/1",
-        f"name: {_quote(name[:LONGEST_NAME])}",
-        f"source: {_quote(source[:LONGEST_NAME])}",
-        f"notes: {_quote(notes[:LONGEST_NOTES])}",
-    ]
-    if technology:
-        text.append(f"technology: {_quote(technology)}")
     units = [sensor.gravity_unit for sensor in sensors]
     # Of two files one may have its own g: the new one has it for both.
     gravity = next((g for g in units if g != STANDARD_GRAVITY), STANDARD_GRAVITY)
-    if gravity != STANDARD_GRAVITY:
-        text.append(f"gravity_unit: {_quantity(gravity, 'm/s^2')}")
-    for sensor in sensors:
-        text += [f"{sensor.kind}:", "  nominal:"]
-        unit, size = "deg/h", DEG_PER_HOUR
-        if sensor.kind != "gyro":
-            unit, size = "mg", 1e-3 * gravity
-        text.append(f"    bias: {_nominal(sensor.nominal_bias, AXES, unit, size)}")
-        angles = _nominal(sensor.nominal_mounting_angle, ANGLES, "arcsec", ARCSEC)
-        text.append(f"    mounting_angle: {angles}")
-        if sensor.lines or sensor.initial:
-            text.append("  errors:")
-            text += [
-                f"    {line.name}: {_figure(line, gravity, mark)}"
-                for line in sensor.lines
-            ]
-            text += [
-                f"    {line.name}: {_figure(line, gravity, '')}"
-                for line in sensor.initial
-            ]
-    return "\n".join(text) + "\n"
+    texts = (
+        ("name", name[:LONGEST_NAME]),
+        ("source", source[:LONGEST_NAME]),
+        ("notes", notes[:LONGEST_NOTES]),
+        *((("technology", technology),) if technology else ()),
+    )
+    own = [("gravity_unit", _quantity(gravity, "m/s^2"))]
+    entries = [
+        ("format", "budget-device/1"),
+        *((key, quoted(text)) for key, text in texts),
+        *(own if gravity != STANDARD_GRAVITY else []),
+        *((sensor.kind, _triad(sensor, gravity, mark)) for sensor in sensors),
+    ]
+    return "\n".join(block(entries)) + "\n"
+
+
+def _triad(
+    sensor: Sensor, gravity: float, mark: str
+) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return what a device file says of one triad."""
+    bias = ("deg/h", DEG_PER_HOUR) if sensor.kind == "gyro" else ("mg", 1e-3 * gravity)
+    nominal = [
+        ("bias", _nominal(sensor.nominal_bias, AXES, *bias)),
+        (
+            "mounting_angle",
+            _nominal(sensor.nominal_mounting_angle, ANGLES, "arcsec", ARCSEC),
+        ),
+    ]
+    errors = [
+        *((line.name, _figure(line, gravity, mark)) for line in sensor.lines),
+        *((line.name, _figure(line, gravity, "")) for line in sensor.initial),
+    ]
+    return [("nominal", nominal), *([("errors", errors)] if errors else [])]
 
 
 def _figure(line: ErrorLine, gravity: float, mark: str) -> str:
-    """Write one line: a text where nothing but a value has to be said."""
-    axes = ANGLES if line.u.size == len(ANGLES) else AXES
+    """Write one line: a text where nothing but a value has to be said.
+
+    A line whose meaning is open has its size as printed, and its readings, of which it
+    is the largest.
+    """
+    words = [word for word, _ in line.readings]
+    same = (word for word, one in line.readings if np.array_equal(one.u, line.u))
+    taken = next(same, "")
     one = parse_quantity(f"1 {line.unit}", line.unit, gravity=gravity)
     size = one.si_per_unit * WALK_PER_DENSITY[line.density] * line.factor
-    opened = _open(line)
-    sizes = [float(u) / size * opened.factor for u in line.u]
+    # Printed over the standard uncertainty that is taken [1].
+    opened = divisor(line.meaning, line.distributions[0]) if words else 1.0
+    if taken == "allan_minimum" and line.correlation_time is not None:
+        opened *= ALLAN_MINIMUM
+    sizes = [float(u) / size * opened for u in line.u]
     values = [_quantity(one, line.unit, mark) for one in sizes]
-    shapes = [opened.shape or shape.name for shape in line.distributions]
-    times: list[float | None] = [None] * line.u.size
+    shapes = [shape.name for shape in line.distributions]
+    if words:
+        shapes = [_shape_said(line)] * line.u.size
+    times = [""] * line.u.size
     if line.correlation_time is not None:
-        times = [float(time) for time in line.correlation_time]
-    common = {
-        key: text
-        for key, text in _says(shapes[0], times[0]).items()
-        if len(set(shapes)) == len(set(times)) == 1
-    }
-    whole = {
-        key: text
-        for key, text in (
-            *(("density", line.density), ("adds_to", line.adds_to)),
-            *line.says,
-            ("horizon", line.horizon and _quote(line.horizon)),
-            *opened.says,
-        )
-        if text and key not in opened.unsaid
-    }
-    if not line.u.any():
-        whole["meaning"] = EXACT  # else it would be no line
-    if line.horizons[:-1]:
-        earlier = (
-            {
-                "value": _quantity(sizes[0] * part, line.unit, mark),
-                "horizon": _quantity(time, "s"),
-            }
-            for time, part in line.horizons[:-1]
-        )
-        whole["earlier"] = f"[{', '.join(map(_mapping, earlier))}]"
+        times = [_quantity(float(time), "s") for time in line.correlation_time]
     own = [
-        {} if common else _says(shape, time)
-        for shape, time in zip(shapes, times, strict=True)
+        _given(distribution="" if shape == NORMAL.name else shape, correlation_time=at)
+        for shape, at in zip(shapes, times, strict=True)
     ]
+    common = own[0] if all(says == own[0] for says in own) else {}
+    if common or not any(own):
+        own = [{} for _ in own]
+    says = _given(
+        density="" if line.density in words else line.density,
+        adds_to=line.adds_to,
+        **{
+            key: text
+            for key, text in line.says
+            if not (key == "definition" and "allan_minimum" in words)
+        },
+    ) | _given(
+        horizon=line.horizon and quoted(line.horizon),
+        reading=flow(words) if words else "",
+        # Of a 0: else it would be no line.
+        meaning=EXACT
+        if not line.u.any()
+        else line.meaning
+        if words and taken not in MEANING_READINGS
+        else "",
+        earlier=flow(
+            [
+                {
+                    "value": _quantity(sizes[0] * part, line.unit, mark),
+                    "horizon": _quantity(time, "s"),
+                }
+                for time, part in line.horizons[:-1]
+            ]
+        )
+        if line.horizons[:-1]
+        else "",
+    )
     if len(set(values)) == 1 and not any(own):
-        if not common and not whole:
-            return values[0]
-        return _mapping({"value": values[0], **common, **whole})
+        whole = {"value": values[0], **common, **says}
+        return flow(whole) if common or says else values[0]
+    axes = ANGLES if line.u.size == len(ANGLES) else AXES
     by_axis = {
-        axis: _mapping({"value": value, **more}) if more else value
+        axis: {"value": value, **more} if more else value
         for axis, value, more in zip(axes, values, own, strict=True)
     }
-    return _mapping({**common, **whole, "axes": _mapping(by_axis)})
+    return flow({**common, **says, "axes": by_axis})
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Opened:
-    """What a line whose meaning is open says in place of 1 sigma."""
-
-    factor: float = 1.0  # printed over the standard uncertainty that is taken [1]
-    shape: str = ""  # of all axes, as a file that says none would have it: NORMAL
-    says: tuple[tuple[str, str], ...] = ()
-    unsaid: frozenset[str] = frozenset()  # keys that would close it
+def _given(**says: str) -> dict[str, str]:
+    """Return what is said."""
+    return {key: text for key, text in says.items() if text}
 
 
-def _open(line: ErrorLine) -> _Opened:
-    """Return what an open line says: its size as printed, and the readings of it.
-
-    The line is the largest of its readings.
-    """
-    if not line.readings:
-        return _Opened()
-    taken = next(word for word, one in line.readings if np.array_equal(one.u, line.u))
-    factor = divisor(line.meaning, line.distributions[0])
-    if taken == "allan_minimum" and line.correlation_time is not None:
-        factor *= ALLAN_MINIMUM
-    # A shape that is not that of the meaning stands in the file.
+def _shape_said(line: ErrorLine) -> str:
+    """Return the shape that an open line says: one that is not that of the meaning."""
     told = [
         shape.name
         for _, one in line.readings
@@ -179,17 +184,7 @@ def _open(line: ErrorLine) -> _Opened:
         )
         or shape.name not in {NORMAL.name, "uniform"}
     ]
-    words = [word for word, _ in line.readings]
-    says = [("reading", f"[{', '.join(words)}]")]
-    if taken not in MEANING_READINGS:
-        says.append(("meaning", line.meaning))
-    return _Opened(
-        factor=factor,
-        shape=told[0] if told else NORMAL.name,
-        says=tuple(says),
-        unsaid=frozenset({"density"} if line.density in words else ())
-        | frozenset({"definition"} if "allan_minimum" in words else ()),
-    )
+    return told[0] if told else NORMAL.name
 
 
 def is_read_back(text: str, sensors: Sequence[Sensor], *, technology: str = "") -> bool:
@@ -205,68 +200,39 @@ def is_read_back(text: str, sensors: Sequence[Sensor], *, technology: str = "") 
         read = read_device(parse(text.encode(), "changed", base_name="changed"))
     except SpecError:
         return False
+    own, others = (tuple(map(_triad_says, some)) for some in (read.sensors, sensors))
+    return read.technology == technology and _is_same(own, others)
+
+
+def _triad_says(sensor: Sensor) -> tuple[object, ...]:
+    """Return what of a triad decides a budget."""
     return (
-        read.technology == technology
-        and [one.kind for one in read.sensors] == [one.kind for one in sensors]
-        and all(map(_is_same_sensor, read.sensors, sensors))
+        *(sensor.kind, sensor.nominal_bias, sensor.nominal_mounting_angle),
+        sensor.expected_missing,
+        tuple(map(_line_says, sensor.lines)),
+        tuple(map(_line_says, sensor.initial)),
     )
 
 
-def _is_same_sensor(one: Sensor, other: Sensor) -> bool:
-    """Whether two triads have one budget."""
+def _line_says(line: ErrorLine) -> tuple[object, ...]:
+    """Return what of a line decides a budget, under every reading."""
+    time = time_of(line.horizon)
     return (
-        _is_near(one.nominal_bias, other.nominal_bias)
-        and _is_near(one.nominal_mounting_angle, other.nominal_mounting_angle)
-        and one.expected_missing == other.expected_missing
-        and all(
-            len(own) == len(others) and all(map(_is_same, own, others))
-            for own, others in (
-                (one.lines, other.lines),
-                (one.initial, other.initial),
-            )
-        )
+        *(line.name, line.distributions, line.form, line.adds_to),
+        *(line.density if line.readings else "", None if time is None else time.value),
+        *(line.u, line.correlation_time, line.low_cut, np.array(line.horizons)),
+        tuple((word, _line_says(one)) for word, one in line.readings),
     )
 
 
-def _is_same(one: ErrorLine, other: ErrorLine) -> bool:
-    """Whether two lines are one source, of one size, under every reading."""
-
-    def words(line: ErrorLine) -> tuple[object, ...]:
-        time = time_of(line.horizon)
-        return (
-            *(line.name, line.distributions, line.form, line.adds_to),
-            *(line.density if line.readings else "", len(line.horizons)),
-            *(None if time is None else time.value, [w for w, _ in line.readings]),
-        )
-
-    return (
-        words(one) == words(other)
-        and _is_near(one.u, other.u)
-        and _is_near(one.correlation_time, other.correlation_time)
-        and _is_near(one.low_cut, other.low_cut)
-        and _is_near(np.array(one.horizons), np.array(other.horizons))
-        and all(
-            _is_same(read, wanted)
-            for (_, read), (_, wanted) in zip(one.readings, other.readings, strict=True)
-        )
-    )
-
-
-def _is_near(one: Array | None, other: Array | None) -> bool:
-    """Whether numbers are the same but for their last digits."""
-    if one is None or other is None:
-        return one is other
-    return one.shape == other.shape and np.allclose(one, other, rtol=SAME, atol=0.0)
-
-
-def _says(shape: str, time: float | None) -> dict[str, str]:
-    """Return what has to be said of an axis besides its value."""
-    says = {}
-    if shape != NORMAL.name:
-        says["distribution"] = shape
-    if time is not None:
-        says["correlation_time"] = _quantity(time, "s")
-    return says
+def _is_same(one: object, other: object) -> bool:
+    """Whether two are the same but for last digits of numbers."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        is_alike = one.shape == other.shape
+        return is_alike and np.allclose(one, other, rtol=SAME, atol=0.0)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_is_same, one, other))
+    return type(one) is type(other) and one == other
 
 
 def _nominal(values: Array, axes: tuple[str, ...], unit: str, size: float) -> str:
@@ -274,19 +240,9 @@ def _nominal(values: Array, axes: tuple[str, ...], unit: str, size: float) -> st
     texts = [_quantity(float(value) / size, unit) for value in values]
     if len(set(texts)) == 1:
         return texts[0]
-    return _mapping(dict(zip(axes, texts, strict=True)))
+    return flow(dict(zip(axes, texts, strict=True)))
 
 
 def _quantity(value: float, unit: str, mark: str = "") -> str:
     """Write a quantity with all its digits, never as YAML would read otherwise."""
-    return f'"{mark}{value!r}{mark} {_quote(unit)[1:]}'
-
-
-def _mapping(items: dict[str, str]) -> str:
-    """Write a flow mapping; the values are written already."""
-    return "{" + ", ".join(f"{key}: {text}" for key, text in items.items()) + "}"
-
-
-def _quote(text: str) -> str:
-    """Quote a text as YAML 1.2 and JSON both do."""
-    return json.dumps(text, ensure_ascii=False)
+    return f'"{mark}{value!r}{mark} {quoted(unit)[1:]}'

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.report.blocks import Section
-    from budget.results import InputFile, Settings
+    from budget.results import InputFile
+    from budget.settings import Settings
 
 
 def provenance_section(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal
 from functools import partial
@@ -11,6 +10,7 @@ from math import floor, log10, nan
 from typing import TYPE_CHECKING
 
 from budget.distributions import NORMAL
+from budget.inputs.tree import block, flow, quoted
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import keys_of
 from budget.question import given_lines
@@ -188,10 +188,8 @@ def station_yaml(found: Qualification) -> str:
                 branch[key] = [f"{point!r} s" for point in points.tolist()]  # type: ignore[index]
     station: dict[str, object] = tree.setdefault(STATION, {})  # type: ignore[assignment]
     station |= {"scale_from": timing.scale_from, "window": timing.edges}
-    lines = [
-        f"{key}: {json.dumps(value, ensure_ascii=False)}" for key, value in tree.items()
-    ]
-    return "\n".join(lines) + "\n"
+    entries = ((key, flow(value, quoted)) for key, value in tree.items())
+    return "\n".join(block(entries)) + "\n"
 
 
 @dataclass(frozen=True, kw_only=True)

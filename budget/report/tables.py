@@ -27,8 +27,8 @@ if TYPE_CHECKING:
         OutputAssessment,
         OutputBudget,
         Probability,
-        Settings,
     )
+    from budget.settings import Settings
 
 
 # Plain notation between 1e-4 and 1e7, as 2.3e-9 outside: nobody counts nine zeros.

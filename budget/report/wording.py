@@ -14,13 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from budget.report.blocks import Block
-    from budget.results import (
-        Assessment,
-        Doubt,
-        OutputAssessment,
-        Settings,
-        Standing,
-    )
+    from budget.results import Assessment, Doubt, OutputAssessment, Standing
+    from budget.settings import Settings
 
 __all__ = [
     "VERDICTS",

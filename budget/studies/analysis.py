@@ -38,8 +38,6 @@ from budget.names import IMU, MISSION, Name
 from budget.question import (
     Question,
     after_a_turn_on,
-    check_settings,
-    choose_basis,
     choose_outputs,
     choose_sources,
     choose_times,
@@ -63,12 +61,12 @@ from budget.results import (
     Contribution,
     OutputBudget,
     Radii,
-    Settings,
     SobolIndex,
     Validation,
     input_files,
 )
 from budget.sentences import sentence
+from budget.settings import Asked, Engine, check
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -77,7 +75,7 @@ from budget.studies.judgement import intervals_of
 from budget.studies.learnt import filtered, too_sure
 from budget.studies.mission import bought
 from budget.studies.mixture import ONE_SIGMA, Mixture
-from budget.studies.progress import Engine, describe_cost, seconds_per_trial
+from budget.studies.progress import describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
@@ -90,7 +88,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
     from budget.problem import Problem
-    from budget.studies.progress import Progress
+    from budget.settings import Progress, Settings
 
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
@@ -232,23 +230,22 @@ def analyze(
         reference = after_a_turn_on(reference)
     elif tuple(at):
         raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
-    basis = choose_basis(wanted, coverage=coverage, reference=reference)
-    settings = Settings(
+    settings = Asked(
         method=method,
         trials=trials,
         digits=digits,
         max_trials=max_trials,
         validate=validate,
         seed=seed,
-        coverage=basis.coverage,
+        coverage=coverage,
         interval=interval,
-        reference=basis.reference,
-        sobol_samples=samples,
+        reference=reference,
+        samples=samples,
         only=_names("only", only),
         outputs=_names("outputs", outputs),
         matrices=matrices,
         missing=missing,
-    )
+    ).settle(wanted)
     return analyze_as(
         settings,
         *load_devices(devices),
@@ -321,7 +318,7 @@ def analyze_as(
         ]
         devices, filling = fill_all(there, settings.missing, catalogue)
     sensors = find(devices)
-    check_settings(settings, workers=engine.workers)
+    check("analyze", settings, engine)
     carried = None if of_test else mission
     chosen, warnings = choose_sources(sensors, procedure, settings.only, carried)
     if of_test:
@@ -369,12 +366,12 @@ def analyze_as(
     warnings += estimate.warnings
     warnings += cautions.few_trials(estimate.trials, settings.coverage)
     indices = None
-    if settings.sobol_samples is not None and problem.normals_per_trial == 0:
+    if settings.samples is not None and problem.normals_per_trial == 0:
         warnings += (sentence("cautions.nothing_varies"),)
-    elif settings.sobol_samples is not None:
+    elif settings.samples is not None:
         indices = sobol(
             problem,
-            samples=settings.sobol_samples,
+            samples=settings.samples,
             seed=settings.seed,
             workers=engine.workers,
             executor=engine.executor,
@@ -398,7 +395,7 @@ def analyze_as(
             normals_per_trial=None if is_simulated else problem.normals_per_trial,
             only=tuple(sorted(chosen or ())),
             outputs=question.asked or (),
-            sobol_samples=None if indices is None else indices.samples,
+            samples=None if indices is None else indices.samples,
             sobol_scrambles=None if indices is None else indices.scrambles,
         ),
         outputs=tuple(
@@ -648,7 +645,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
 def _costs(problem: Problem, settings: Settings, workers: int) -> Iterator[str]:
     """Say what validation to two digits and Sobol' indices will cost."""
     two_digits = settings.method == "gum" and settings.validate and settings.digits > 1
-    if not (two_digits or settings.sobol_samples):
+    if not (two_digits or settings.samples):
         return
     each = seconds_per_trial(problem)
     if two_digits:
@@ -656,8 +653,8 @@ def _costs(problem: Problem, settings: Settings, workers: int) -> Iterator[str]:
         yield describe_cost(
             "Monte Carlo to validate two digits, at most", most, most * each, workers
         )
-    if settings.sobol_samples:
-        number = evaluations(problem, settings.sobol_samples, SCRAMBLES)
+    if settings.samples:
+        number = evaluations(problem, settings.samples, SCRAMBLES)
         yield describe_cost("Sobol' indices", number, number * each, workers)
 
 

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
-    from budget.results import Condition, InputFile, Settings, Standing
+    from budget.results import Condition, InputFile, Standing
+    from budget.settings import Progress, Settings
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
-    from budget.studies.progress import Progress
     from budget.studies.stations import StationVerdict
 
 

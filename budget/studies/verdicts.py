@@ -136,6 +136,7 @@ PROBE = {
     )
 }
 SAME = 1e-9  # relative, of a bound [1]
+CLOSE = 1e-4 * SAME  # of the ends between which it is looked up
 # A line reaches a limit where u at its ceiling is more than this part of it; without
 # one, where so many times the largest that any device prints is [1].
 NEGLIGIBLE, FAR_ABOVE = 0.005, 10.0
@@ -483,7 +484,7 @@ class Margin:
         Of all that is given.
     mean : ndarray, shape (n_required,)
         Absolute [SI].
-    factor : ndarray, shape (2, n_required)
+    factor : tuple of ndarray, shape (n_required,) each
         Coverage factors on what is given, and with all lines at their ceilings [1].
     ratio : ndarray, shape (n_required,)
         Of a length what was judged over the circle of the law [1].
@@ -502,7 +503,7 @@ class Margin:
     parts: Array
     rest: Array
     mean: Array
-    factor: Array
+    factor: tuple[Array, Array]
     ratio: Array
     jointly: Jointly | None = None
 
@@ -618,7 +619,7 @@ class Margin:
             parts=parts,
             rest=rest,
             mean=np.abs(law.mean[held.rows]),
-            factor=np.stack([_factor(held, judged)] * 2),
+            factor=(_factor(held, judged),) * 2,
             ratio=np.where(
                 is_length, judged.used * held.limits / np.maximum(circle, TINY), 0.0
             ),
@@ -641,9 +642,7 @@ class Margin:
             top_known = (margin.weights, at_top.utilisation)
             both = (*margin.jointly.known, top_known)
             margin = replace(margin, jointly=replace(margin.jointly, known=both))
-        return replace(
-            margin, factor=np.stack([margin.factor[0], _factor(top, at_top)])
-        )
+        return replace(margin, factor=(margin.factor[0], _factor(top, at_top)))
 
     @cached_property
     def weights(self) -> Array:
@@ -720,18 +719,31 @@ class Margin:
         """
         if self.jointly is not None:
             return self.jointly.used(weights)
-        added = np.tensordot(weights, self.parts, axes=1)
-        C = self.rest + added
-        top = np.tensordot(self.weights, self.parts, axes=1)[:, 0, 0]
+        added = weights @ self._variances
         # From the factor of what is given to that with all lines at their ceilings.
-        grown = np.minimum(added[:, 0, 0], top) / np.maximum(top, TINY)
-        k = self.factor[0] + (self.factor[1] - self.factor[0]) * grown
-        ends = self.mean + k * np.sqrt(np.maximum(C[:, 0, 0], 0.0))
-        for j in np.flatnonzero(self.ratio):
-            axes = principal_variances(C[j, :1, 0], C[j, 1:, 1], C[j, :1, 1])
-            circle = radius_of(self.held.coverage[[j]], axes)
-            ends[j] = self.ratio[j] * float(circle[0])
+        factor, top = self.factor[0], self._top
+        if self.factor[0] is not self.factor[1]:
+            grown = np.minimum(added, top) / np.maximum(top, TINY)
+            factor = factor + (self.factor[1] - factor) * grown
+        variance = np.maximum(self.rest[:, 0, 0] + added, 0.0)
+        ends = self.mean + factor * np.sqrt(variance)
+        if self.ratio.any():
+            C = self.rest + np.tensordot(weights, self.parts, axes=1)
+            for j in np.flatnonzero(self.ratio):
+                axes = principal_variances(C[j, :1, 0], C[j, 1:, 1], C[j, :1, 1])
+                circle = radius_of(self.held.coverage[[j]], axes)
+                ends[j] = self.ratio[j] * float(circle[0])
         return float((ends / self.held.limits).max())
+
+    @cached_property
+    def _variances(self) -> Array:
+        """Variance that each group makes, of a length of its first component."""
+        return np.ascontiguousarray(self.parts[:, :, 0, 0])
+
+    @cached_property
+    def _top(self) -> Array:
+        """Variance that is added at the ceilings, shape (n_required,) [SI squared]."""
+        return np.asarray(self.weights @ self._variances)
 
     def bound(self, change: Callable[[Array, float], None], *, alone: bool) -> float:
         """Return the largest size at which every output is within its limit.
@@ -747,17 +759,17 @@ class Margin:
 
         if settle(1.0 + excess(0.0)) > 1.0:
             return 0.0
-        high = 1.0
+        low, high = 0.0, 1.0
         for _ in range(DOUBLINGS):
             if excess(high) > 0.0:
                 break
             high *= 2.0
         else:
             return inf
-        low = 0.0
+        is_beyond = _looked_up(excess, low, high)
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (low, middle) if excess(middle) > 0.0 else (middle, high)
+            low, high = (low, middle) if is_beyond(middle) else (middle, high)
             if high - low <= SAME * high:
                 break
         return low
@@ -863,6 +875,36 @@ class Margin:
             return size ** (2 if key == "temperature" else 4)
         line, year = self.ages[group], _tried_at(key)
         return (growth(line, size * year) / growth(line, year)) ** 2
+
+
+def _looked_up(
+    excess: Callable[[float], float], low: float, high: float
+) -> Callable[[float], bool]:
+    """Return whether `excess`, which grows from `low` to `high`, is above 0 at a size.
+
+    Regula falsi (Illinois) brackets where it turns; between the ends of that it is
+    asked, which for halvings is hardly ever.
+    """
+    ends, values = [low, high], [excess(low), excess(high)]
+    last = None
+    for _ in range(HALVINGS):
+        step = values[0] / (values[0] - values[1])
+        middle = ends[0] + (ends[1] - ends[0]) * step
+        if not ends[0] < middle < ends[1] or ends[1] - ends[0] <= CLOSE * ends[1]:
+            break
+        value = excess(middle)
+        side = int(value > 0.0)
+        ends[side], values[side] = middle, value
+        if last == side:
+            values[1 - side] /= 2.0
+        last = side
+
+    def is_beyond(size: float) -> bool:
+        if ends[0] < size < ends[1]:
+            return excess(size) > 0.0
+        return size >= ends[1]
+
+    return is_beyond
 
 
 def _tried_at(key: str) -> float:

@@ -22,6 +22,7 @@ FLOORS = (
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),
+    ("settings",),
     ("results",),
     ("calibration", "methods"),
     ("aiding", "missing"),
@@ -235,7 +236,7 @@ def test_a_fact_that_a_text_drops_is_seen():
 # and of values in a document.
 OTHER_DOTS = {
     "text.partition('.')",
-    "document.base_name.partition('.')",
+    "self.base_name.partition('.')",
     "place.partition('.')",
     "type(error).__module__.partition('.')",
     "f'{path}.{_shown(word)}'",

@@ -23,7 +23,7 @@ from budget.missing.prediction import (
     ROUNDS,
     TAILS,
     LogLine,
-    _fit,
+    _others,
     figures_of,
     joined,
     predict,
@@ -135,13 +135,13 @@ def test_designs_of_another_class_widen_no_interval(monkeypatch):
     ]
 
     def widths():
-        _fit.cache_clear()
+        _others.cache_clear()
         ends = [predict(one, [noise], catalogue()).interval(0.9)[0] for one in lacking]
         return np.median([high / low for low, high in ends])
 
     try:
         robust = widths()
-        trust = _fit(catalogue()).trust
+        trust = _others(catalogue()).fits([()])[0].trust
         for one in catalogue():
             if one.name in seismic:
                 assert trust[one.origin.sha256] < 0.2
@@ -149,7 +149,7 @@ def test_designs_of_another_class_widen_no_interval(monkeypatch):
         monkeypatch.setattr(prediction, "TAILS", inf)
         normal = widths()
     finally:
-        _fit.cache_clear()
+        _others.cache_clear()
     assert len(lacking) >= 5
     assert 10.0 < robust < 40.0
     assert normal > 5.0 * robust

@@ -11,7 +11,7 @@ from reference_examples import DEVICE, parts_of
 
 from budget.inputs.composer import compose
 from budget.inputs.device import read_device
-from budget.inputs.tree import Document, plain
+from budget.inputs.tree import YamlFile, plain
 from budget.references.exchange import (
     FIGURE_TEXTS,
     RANGE_TEXTS,
@@ -41,7 +41,7 @@ def document(text, variant=""):
     """Return a device text as one device."""
     root, issues = compose(text, "imu.yaml")
     assert not issues
-    whole = Document(
+    whole = YamlFile(
         file="imu.yaml", base_name="imu.yaml", sha256="", root=root, issues=()
     )
     return effective(whole, variant)
@@ -58,7 +58,7 @@ def changed(before, after, **variants):
 def test_an_effective_variant_is_the_device(variant):
     """The variant laid over the base reads as the same figures as FILE#VARIANT."""
     root, _ = compose(VARIANTS, "f")
-    whole = Document(file="f", base_name="f", sha256="", root=root, issues=())
+    whole = YamlFile(file="f", base_name="f", sha256="", root=root, issues=())
     there = read_device(whole, variant).gyro
     here = read_device(effective(whole, variant)).gyro
 

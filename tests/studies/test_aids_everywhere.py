@@ -16,7 +16,7 @@ from places import TESTS
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
 from budget.studies.what_if import what_if

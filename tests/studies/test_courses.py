@@ -14,7 +14,7 @@ from saying import assert_says
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare

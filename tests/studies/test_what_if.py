@@ -18,7 +18,7 @@ from budget.errors import CallError
 from budget.inputs.records import Limit, Origin, Requirement
 from budget.names import MISSION, Name
 from budget.question import Question
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.conformity import assess
 from budget.studies.what_if import one_at_a_time, what_if

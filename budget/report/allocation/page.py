@@ -16,7 +16,7 @@ from budget.report.figures.rows import chart_picture
 from budget.report.pages import sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import DASH, print_given
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest, from_largest, settle
 from budget.units import DAY, YEAR

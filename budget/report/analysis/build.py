@@ -179,7 +179,7 @@ def report_document(
             for one in owners
             if evidence.coupling is not None
         ),
-        sobol=budget.settings.sobol_samples is not None,
+        sobol=budget.settings.samples is not None,
         indices=_drawn(
             sobol_chart(budget, one)
             for one in owners

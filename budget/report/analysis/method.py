@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from budget.model.scheme import Scheme
     from budget.names import Name
     from budget.report.blocks import Section
-    from budget.results import Settings
+    from budget.settings import Settings
 
 
 @dataclass(frozen=True, kw_only=True)

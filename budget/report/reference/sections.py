@@ -28,7 +28,7 @@ from budget.version import __version__
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from budget.references.difference import Change, Difference, Move
+    from budget.references.difference import Alteration, Difference, Move
     from budget.report.blocks import Document, Section
     from budget.results import InputFile
 
@@ -128,7 +128,7 @@ class MoveTable:
 class Brief:
     """Changes that are named, and how many more move no number."""
 
-    named: tuple[Change, ...]
+    named: tuple[Alteration, ...]
     rest: int
     only_alone: bool  # whether one of these may have done it with another
 
@@ -190,7 +190,7 @@ def _view(checks: Sequence[Difference], bad: int) -> dict[str, Any]:
     return {"checks": checks, "moved": moved, "bad": bad, **WORDED}
 
 
-def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTable:
+def move_table(moves: Sequence[Move], changes: Sequence[Alteration] = ()) -> MoveTable:
     """Choose and group the moves to be shown, the largest first.
 
     Titles stand by their largest change, rows under a title too; axes whose rows say
@@ -219,7 +219,7 @@ def move_table(moves: Sequence[Move], changes: Sequence[Change] = ()) -> MoveTab
     )
 
 
-def brief(changes: Sequence[Change]) -> Brief:
+def brief(changes: Sequence[Alteration]) -> Brief:
     """Choose the changes to be named: all that act, of the others the first ones."""
     idle = accumulate(one.acts is False for one in changes)
     named = tuple(
@@ -236,7 +236,7 @@ def brief(changes: Sequence[Change]) -> Brief:
 WORDED: Mapping[str, Any] = {"brief": brief, "DASH": NONE, "TOOL": TOOL}
 
 
-def cause_texts(move: Move) -> tuple[tuple[Change, str], ...]:
+def cause_texts(move: Move) -> tuple[tuple[Alteration, str], ...]:
     """Return (change, part of the move that it explains), the largest part first."""
     difference = move.difference
     if not difference:
@@ -276,7 +276,7 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     return round_value(before, u), round_value(after, u)
 
 
-def _row(move: Move, changes: Sequence[Change]) -> Row:
+def _row(move: Move, changes: Sequence[Alteration]) -> Row:
     """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
         pair = print_pair(move.before, move.after)

@@ -79,8 +79,8 @@ if TYPE_CHECKING:
         Station,
     )
     from budget.results import Standing
+    from budget.settings import Progress
     from budget.studies.allocation.cases import Bounds, SensorCase
-    from budget.studies.progress import Progress
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
 MARGIN = 0.001  # that a corrected k has over the trials', which vary by as much [1]

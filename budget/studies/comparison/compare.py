@@ -24,8 +24,9 @@ from budget.question import (
     not_estimated,
     not_weighted,
 )
-from budget.results import Settings, input_file, named_files
+from budget.results import input_file, named_files
 from budget.sentences import sentence
+from budget.settings import Settings, stage
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import age_that_counts_not, of_no_vehicle
 from budget.studies.comparison.candidates import Candidate, missing_lines
@@ -39,7 +40,6 @@ from budget.studies.comparison.records import (
 )
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
-from budget.studies.progress import stage
 from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ if TYPE_CHECKING:
         Station,
     )
     from budget.results import Standing
-    from budget.studies.progress import Progress
+    from budget.settings import Progress
 
 LEAST_TRIALS = 2
 METHODS = ("gum", "monte-carlo")

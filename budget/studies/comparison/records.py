@@ -23,9 +23,9 @@ if TYPE_CHECKING:
         OutputAssessment,
         Probability,
         ReadingVerdicts,
-        Settings,
         Standing,
     )
+    from budget.settings import Settings
     from budget.studies.judgement import Judged
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of

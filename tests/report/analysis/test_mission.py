@@ -49,7 +49,7 @@ from budget.report.figures.growth import (
 )
 from budget.report.mission import by_time, contributions
 from budget.report.tables import unit_for
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.mission import curve, drawn_times
 from budget.studies.what_if import what_if

@@ -8,7 +8,7 @@ import pytest
 from document_text import find
 from saying import assert_says
 
-from budget.references.difference import Cause, Change, Move
+from budget.references.difference import Alteration, Cause, Move
 from budget.references.records import Item
 from budget.report.blocks import Listing, Paragraph, Table
 from budget.report.reference.sections import (
@@ -38,7 +38,7 @@ def move(subject="gyro.bias.x", quantity="standard_uncertainty", **more):
 def caused(amounts):
     """Return changes, and what each explains."""
     changes = [
-        Change(where="device a.yaml", key=f"k{k}", before="1", after="2")
+        Alteration(where="device a.yaml", key=f"k{k}", before="1", after="2")
         for k, _ in enumerate(amounts)
     ]
     causes = [Cause(change=c, amount=a) for c, a in zip(changes, amounts, strict=True)]
@@ -236,7 +236,7 @@ def test_no_part_overflows(amount, text):
 )
 def test_a_change_that_does_nothing_alone(moved, key, note):
     """Where numbers moved, only a text is said to move none with another change."""
-    change = Change(
+    change = Alteration(
         where="device a.yaml",
         key=key,
         before="1",
@@ -251,10 +251,10 @@ def test_a_change_that_does_nothing_alone(moved, key, note):
 
 def test_changes_without_effect_are_counted():
     """All that act are named, of the others a dozen."""
-    acting = Change(
+    acting = Alteration(
         where="device a.yaml", key="k", before="1 s", after="2 s", acts=True
     )
-    idle = Change(
+    idle = Alteration(
         where="device a.yaml",
         key="notes",
         before="",

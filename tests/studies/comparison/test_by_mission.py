@@ -16,7 +16,7 @@ from budget.errors import CallError
 from budget.inputs import load_device, load_mission, uncalibrated
 from budget.inputs.records import Limit
 from budget.names import MISSION, Name
-from budget.results import Settings
+from budget.settings import Settings
 from budget.studies.analysis import analyze, analyze_as
 from budget.studies.comparison.compare import compare
 
