@@ -28,6 +28,7 @@ from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import (
     MISSION_TEMPERATURE,
     MISSION_VIBRATION,
+    RECTIFICATION,
     VibrationRectification,
 )
 from budget.model.sources.temperature import (
@@ -69,7 +70,6 @@ if TYPE_CHECKING:
     from budget.navigation.dynamics import Moment
 
 REFERENCE = "next_turn_on"  # a mission begins with a turn-on of its own
-RECTIFICATION = "vibration_rectification"
 FIRST = {GYRO: 0, ACCELEROMETER: len(AXES)}  # row of x among the six inputs
 # What navigation makes of a process, from its times [s].
 IN_RUN: Mapping[str, Callable[..., growth.UnitNoise]] = {

@@ -36,7 +36,6 @@ from budget.inputs.records import (
     UnusedValue,
 )
 from budget.inputs.specification import (
-    ELSEWHERE,
     OVER_TEMPERATURE,
     read_value,
     time_in,
@@ -48,11 +47,11 @@ from budget.model.sources import (
     GYRO,
     SAMPLE_NOISE,
     SENSORS,
+    SOURCES,
     WHITE,
     lines_of,
 )
 from budget.model.sources.later import AGEING
-from budget.model.sources.temperature import COEFFICIENTS
 from budget.names import Name
 from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
@@ -67,10 +66,6 @@ if TYPE_CHECKING:
     from budget.model.source import Source
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
-# Lines that are asked for of every axis where a test or a use exercises them.
-ASKED = frozenset(
-    ("g_sensitivity", "vibration_rectification", *COEFFICIENTS, *AGEING.values())
-)
 MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 
@@ -83,16 +78,6 @@ class UnusedEntry(Strict):
     condition: ShortText = ""
     meaning: ShortText = ""
     source: ShortText = ""
-
-
-# What is left over temperature, and the coefficients of what it is left of.
-RESIDUALS = {
-    "bias_over_temperature": (
-        "bias_temperature_coefficient",
-        "bias_temperature_rate_coefficient",
-    ),
-    "scale_factor_over_temperature": ("scale_factor_temperature_coefficient",),
-}
 
 
 class SensorPart(Strict):
@@ -149,14 +134,15 @@ class SensorPart(Strict):
     @model_validator(mode="after")
     def _check_temperature(self) -> Self:
         found: dict[tuple[str, ...], str] = {}
-        for residual, coefficients in RESIDUALS.items():
-            given = [key for key in coefficients if getattr(self.errors, key, None)]
+        for one in (one for one in SOURCES if one.left_of):
+            residual = one.name
+            given = [key for key in one.left_of if getattr(self.errors, key, None)]
             elsewhere = [
-                line
-                for line, (_, other) in ELSEWHERE.items()
-                if other == residual
+                line.name
+                for line in SOURCES
+                if line.over_temperature == residual
                 and OVER_TEMPERATURE
-                in getattr(getattr(self.errors, line, None), "reading", ())
+                in getattr(getattr(self.errors, line.name, None), "reading", ())
             ]
             given += elsewhere[1:]
             if elsewhere and (given or getattr(self.errors, residual, None)):
@@ -471,7 +457,7 @@ def _read_sensor(
             read_value(line, kind, value, known=density),
             getattr(value, "is_exact", False),
             # What a verdict asks for of every axis is given where no axis has a 0.
-            bool(line.expected) or line.name in ASKED,
+            bool(line.expected) or line.is_asked,
         )
         for line, value in values.items()
         if value

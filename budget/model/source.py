@@ -60,6 +60,8 @@ class Given:
         coefficient of temperature has a sign.
     distributions : tuple of Distribution
         Shape by axis; processes are normal.
+    own : mapping of str to float
+        Values of the keys that its source has, where it has any [SI].
     correlation_time : ndarray, shape (n_axes,), or None
         Of a source that has one [s].
     low_cut : ndarray, shape (n_axes,), or None
@@ -79,6 +81,7 @@ class Given:
     name: str
     u: Array
     distributions: tuple[Distribution, ...]
+    own: Mapping[str, float] = field(default_factory=dict)
     correlation_time: Array | None = None
     low_cut: Array | None = None
     points: Array | None = None
@@ -90,6 +93,27 @@ class Given:
     def largest(self) -> float:
         """Size of the largest axis, of a coefficient whatever its sign [SI]."""
         return float(abs(self.u).max())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key:
+    """What a file may say beside the value of a line, for its effect.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        The most usual one of it; it is above 0.
+    usual : float
+        What is taken where a file does not say it, which is printed [SI].
+    says : str
+        What it is, in words.
+    """
+
+    name: str
+    unit: str
+    usual: float
+    says: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -489,6 +513,23 @@ class Source:
         Key beside it, under environment, of a time that it needs; '' if none.
     points : str
         Likewise of several times.
+    keys : tuple of Key
+        What a file may say beside its value, for its effect.
+    value : str
+        What a file may say of its value, where that is more than of any constant or
+        process: a word of budget.inputs.specification.
+    beside : tuple of str
+        Lines that may say the same once more, of which each sensor has one at most.
+    over_temperature : str
+        Line where its value stands if the maker means that over temperature.
+    left_of : tuple of str
+        Coefficients of which it is what a compensation leaves.
+    use : str
+        What of a later use it acts in: 'temperature', 'vibration', 'age'; '' of all.
+    is_asked : bool
+        Of every axis, where a test or a use exercises it.
+    grades : tuple of str
+        Sensors whose grade goes by it.
     words : tuple of str
         What makers call it, of one that comes from outside.
     origin : str
@@ -507,6 +548,14 @@ class Source:
     forms: Mapping[str, Effect] = field(default_factory=dict)
     time: str = ""
     points: str = ""
+    keys: tuple[Key, ...] = ()
+    value: str = ""
+    beside: tuple[str, ...] = ()
+    over_temperature: str = ""
+    left_of: tuple[str, ...] = ()
+    use: str = ""
+    is_asked: bool = False
+    grades: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
     origin: str = ""
 

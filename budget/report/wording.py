@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.language import Note, say
+from budget.model.sources import source_of
 from budget.names import Name
 from budget.report.pages import blocks, line, lines
 from budget.report.writing import VERDICTS, capital
-from budget.studies.verdicts import USE_OF
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -91,7 +91,8 @@ def not_given_lines(
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
-        use = USE_OF.get(name.quantity, "") if is_later and not reached else ""
+        own = source_of(name.owner, name.quantity).use
+        use = own if is_later and not reached else ""
         effect = (name.owner, tuple(one for one in NAMED if one in reached), use)
         absent.setdefault(effect, []).append(name.quantity)
     return lines("words", "not_given", absent=absent)
@@ -106,8 +107,8 @@ def not_given_gathered(
     for name, outputs in reach.items():
         if outputs:
             widening.setdefault(name.owner, []).append(name.quantity)
-        elif is_later and name.quantity in USE_OF:
-            by_use[name.quantity] = USE_OF[name.quantity]
+        elif is_later and (use := source_of(name.owner, name.quantity).use):
+            by_use[name.quantity] = use
     view = {"widening": widening, "by_use": by_use, "most": most}
     return lines("words", "not_given_gathered", **view)
 

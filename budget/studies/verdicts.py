@@ -57,19 +57,18 @@ from budget.missing import Filling, line_of, shipped_devices
 from budget.missing.grades import FAMILIES, family
 from budget.missing.prediction import stand_in
 from budget.model.course import Fading
-from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
+from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, SOURCES, source_of
 from budget.model.sources.later import (
     AGE,
     AGEING,
     MISSION_TEMPERATURE,
+    RECTIFICATION,
     TEST_VIBRATION,
     growth,
 )
 from budget.model.sources.temperature import (
-    BIAS_COEFFICIENT,
     COEFFICIENTS,
     RATE_COEFFICIENT,
-    SCALE_COEFFICIENT,
 )
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Caution, Condition, Standing
@@ -77,7 +76,6 @@ from budget.sentences import sentence
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
-    QUANTIZATION,
     at_most,
     ceilings,
     largest_printed,
@@ -117,12 +115,14 @@ MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 LATER = "next_turn_on"  # the error reference that a use is of
 # By the parameter: coefficient, and the residual over temperature that says it too.
 BY_TEMPERATURE = {
-    "bias": (BIAS_COEFFICIENT, "bias_over_temperature"),
-    "scale_factor": (SCALE_COEFFICIENT, "scale_factor_over_temperature"),
+    getattr(one.effect, "target", ""): (one.left_of[0], one.name)
+    for one in SOURCES
+    if one.left_of
 }
+# Lines of which a sheet has to say more than a value, and one that a level use needs.
 NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
 STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
-RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
+G_SENSITIVITY, QUANTIZATION = "g_sensitivity", "quantization"
 MEMS = "mems"
 NOT_MEMS = {*FAMILIES, "optical"} - {MEMS}
 SATURATES, NO_TIME = "saturates", "no_correlation_time"
@@ -146,14 +146,6 @@ IN_TEST = {
     "vibration": (RECTIFICATION,),
 }
 SHORT = 1.0  # correlation time of a bias stability that is none [s]
-# By the line of a sensor: the use that it acts in.
-USE_OF = {
-    **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
-    "bias_over_temperature": "temperature",
-    "scale_factor_over_temperature": "temperature",
-    RECTIFICATION: "vibration",
-    **dict.fromkeys(AGEING.values(), "age"),
-}
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
@@ -1279,7 +1271,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
 def _in_use(case: Case, name: Name, line: ErrorLine) -> Iterator[Caution]:
     """Yield what a line that is given leaves open in the use that is stated."""
     stated = stated_of(case.procedure) if case.is_later else {}
-    key = USE_OF.get(line.name, "")
+    key = source_of(name.owner, line.name).use
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
     if is_idle and key not in _exercised_in_test(case):
         yield Caution(
@@ -1427,7 +1419,7 @@ def _of_sheet(sensor: Sensor) -> Iterator[Caution]:
         yield Caution(kind="range", line=Name("range", owner=sensor.kind), text=text)
     for line in sensor.lines:
         name = Name(line.name, owner=sensor.kind)
-        key = USE_OF.get(line.name, "")
+        key = source_of(sensor.kind, line.name).use
         if key and line.u.any():
             text = sentence(
                 "conditions.acts_at_use", line=name, printed=line.printed, use=key

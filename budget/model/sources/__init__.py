@@ -32,6 +32,7 @@ from budget.model.sources.later import (
     AGEING,
     MISSION_TEMPERATURE,
     MISSION_VIBRATION,
+    RECTIFICATION,
     TEST_VIBRATION,
     Age,
     Ageing,
@@ -94,7 +95,6 @@ __all__ = [
     "STATION",
     "TEST",
     "TURN_ON",
-    "WALKS",
     "WHITE",
     "blamed_outside",
     "every_source",
@@ -119,6 +119,8 @@ SOURCES = (
         stays=TURN_ON,
         expected="bias_repeatability",
         colour="blue",
+        over_temperature="bias_over_temperature",
+        grades=(ACCELEROMETER,),
     ),
     Source(
         name="bias_stability",
@@ -129,6 +131,9 @@ SOURCES = (
         expected="bias_stability",
         colour="orange",
         forms={FLICKER: FlickerNoise()},
+        value="stability",
+        over_temperature="bias_over_temperature",
+        grades=(GYRO,),
     ),
     Source(
         name="flicker",
@@ -138,6 +143,8 @@ SOURCES = (
         stays=IN_RUN,
         expected="bias_stability",
         colour="",
+        value="flicker",
+        beside=("bias_stability",),
     ),
     Source(
         name="angle_random_walk",
@@ -147,6 +154,7 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="green",
+        value="walk",
     ),
     Source(
         name="velocity_random_walk",
@@ -156,6 +164,7 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="green",
+        value="walk",
     ),
     Source(
         name="rate_random_walk",
@@ -164,6 +173,7 @@ SOURCES = (
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
+        value="walk",
     ),
     Source(
         name="acceleration_random_walk",
@@ -172,6 +182,7 @@ SOURCES = (
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
+        value="walk",
     ),
     Source(
         name="sample_noise",
@@ -182,6 +193,8 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="sky",
+        value="sample_noise",
+        beside=("angle_random_walk", "velocity_random_walk"),
     ),
     Source(
         name="quantization",
@@ -200,6 +213,7 @@ SOURCES = (
         stays=TURN_ON,
         expected="scale_factor_repeatability",
         colour="vermilion",
+        over_temperature="scale_factor_over_temperature",
     ),
     Source(
         name="scale_factor_nonlinearity",
@@ -210,6 +224,7 @@ SOURCES = (
         colour="vermilion",
         is_hatched=True,
         forms={"cubic": Power(3), "quadratic": Power(2)},
+        value="nonlinearity",
     ),
     *(
         Source(
@@ -220,6 +235,7 @@ SOURCES = (
             stays=DEVICE,
             colour="black",
             forms=forms,
+            value="asymmetry",
         )
         for owner, forms in (
             (GYRO, {"turn": TurnAsymmetry(), "input": InputAsymmetry()}),
@@ -245,6 +261,7 @@ SOURCES = (
         axes=ELEMENTS,
         colour="sky",
         is_hatched=True,
+        is_asked=True,
     ),
     Source(
         name="scale_factor_quadratic",
@@ -271,6 +288,8 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("bias")},
         stays=DEVICE,
+        use="temperature",
+        is_asked=True,
     ),
     Source(
         name="bias_temperature_rate_coefficient",
@@ -279,6 +298,7 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("bias", is_of_rate=True)},
         stays=DEVICE,
+        is_asked=True,
     ),
     Source(
         name="scale_factor_temperature_coefficient",
@@ -287,6 +307,8 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("scale_factor")},
         stays=DEVICE,
+        use="temperature",
+        is_asked=True,
     ),
     Source(
         name="bias_over_temperature",
@@ -296,6 +318,11 @@ SOURCES = (
         stays=DEVICE,
         colour="blue",
         is_hatched=True,
+        use="temperature",
+        left_of=(
+            "bias_temperature_coefficient",
+            "bias_temperature_rate_coefficient",
+        ),
     ),
     Source(
         name="scale_factor_over_temperature",
@@ -305,6 +332,8 @@ SOURCES = (
         stays=DEVICE,
         colour="orange",
         is_hatched=True,
+        use="temperature",
+        left_of=("scale_factor_temperature_coefficient",),
     ),
     Source(
         name=AGEING["bias"],
@@ -313,6 +342,10 @@ SOURCES = (
         effect=Ageing("bias"),
         stays=DEVICE,
         colour="",
+        value="ageing",
+        beside=("bias_repeatability",),
+        use="age",
+        is_asked=True,
     ),
     Source(
         name=AGEING["scale_factor"],
@@ -321,15 +354,21 @@ SOURCES = (
         effect=Ageing("scale_factor"),
         stays=DEVICE,
         colour="",
+        value="ageing",
+        beside=("scale_factor_repeatability",),
+        use="age",
+        is_asked=True,
     ),
     Source(
-        name="vibration_rectification",
+        name=RECTIFICATION,
         units={GYRO: "deg/h/g^2", ACCELEROMETER: "ug/g^2"},
         model="random constant of the device: bias over the square of a vibration",
         effect=VibrationRectification(),
         stays=DEVICE,
         colour="yellow",
         is_hatched=True,
+        use="vibration",
+        is_asked=True,
     ),
     Source(
         name="initial_bias",
@@ -528,8 +567,6 @@ SOURCES = (
     ),
 )
 
-# Lines that a value per root of hertz may stand for.
-WALKS = tuple(one.name for one in SOURCES if isinstance(one.effect, WhiteNoise | Walk))
 # What white noise may be given as: as a random walk or by the sample, not as both.
 WHITE = tuple(one.name for one in SOURCES if one.expected == "noise")
 SAMPLE_NOISE = next(one.name for one in SOURCES if isinstance(one.effect, SampleNoise))
@@ -596,8 +633,10 @@ def _names(sources: Iterable[Source]) -> str:
 
 def walk_of(sensor: str) -> str:
     """Return the random walk that white noise is on that sensor."""
-    names = (line.name for line in lines_of(sensor))
-    return next(name for name in names if name in WHITE and name in WALKS)
+    (walk,) = (
+        x.name for x in SOURCES if x.value == "walk" and x.expected if x.like(sensor)
+    )
+    return walk
 
 
 def twin_of(name: str) -> str:
