@@ -828,10 +828,14 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
     form = part.curve() if isinstance(part, FORMED) else _Form()
     given_keys = {one: getattr(part, one.name, None) for one in line.keys}
-    unsaid = [one for one, quantity in given_keys.items() if quantity is None]
+    unsaid = [one.name for one, quantity in given_keys.items() if quantity is None]
     form_notes = [
         *form.notes,
-        *(sentence("values.usual_key", key=x.name, size=_usual(x)) for x in unsaid),
+        *(
+            sentence("values.usual_key", key=one.name, size=_usual(one))
+            for one in line.keys
+            if one.name in unsaid
+        ),
     ]
     assumptions += [sentence("assumed.of", key=key, text=text) for text in form_notes]
     own_says = tuple(
@@ -857,7 +861,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         horizons=form.horizons,
         factor=form.factor,
         reading=form.reading,
-        says=(*form.says, *own_says),
+        says=(*form.says, *(one for one in own_says if one[0] not in unsaid)),
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",
         meaning=say([_meaning(line, a.part) for a in axes]),

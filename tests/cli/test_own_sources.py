@@ -224,6 +224,79 @@ def test_help_looks_for_none():
     assert times("validate", "zhao-2019", "hg4930") == 1
 
 
+# A process with a key of its own, in one file: two Gauss-Markov processes of a spread.
+PAIR = """
+from dataclasses import dataclass
+from math import sqrt
+import numpy as np
+from budget.model.noise import GaussMarkov, InRun
+from budget.model.source import IN_RUN, Key, Noise, Source
+
+@dataclass(frozen=True)
+class Pair:
+    sigma: float
+    times: tuple
+
+    def _both(self):
+        return [GaussMarkov(self.sigma / sqrt(2.0), time) for time in self.times]
+
+    def covariance(self, schedule):
+        return sum(one.covariance(schedule) for one in self._both())
+
+    def reduce(self, schedule, weights):
+        return sum(one.reduce(schedule, weights) for one in self._both())
+
+    def in_run(self, sample_rate):
+        return InRun("markov", self.sigma / sqrt(2.0), self.times)
+
+@dataclass(frozen=True)
+class PairNoise(Noise):
+    formula = "u^2 = sigma^2"
+    letters = "pair of processes, sigma in all"
+
+    def process(self, given, axis, sample_rate):
+        time = given.own["slow_time"]
+        return Pair(float(given.u[axis]), (time / 10.0, time))
+
+    def sampler(self, given, rng, sample_rate):
+        return lambda at: given.u[:, None] * rng.standard_normal((3, at.n))
+
+PAIR = Source(
+    name="pair", units={"gyro": "deg/h"}, model="two processes", effect=PairNoise(),
+    stays=IN_RUN, keys=(Key(name="slow_time", unit="s", usual=3000.0, says="slower"),),
+)
+"""
+
+
+def test_a_process_with_keys_of_its_own_is_one_file(tmp_path):
+    """Its variance is the mean of those of its parts, in a test and on a mission."""
+    install(tmp_path, "pair", {"pair": "pair:PAIR"}, pair=PAIR)
+    (tmp_path / "bend.yaml").write_text(BEND)
+    own = device("pair: {value: 0.2 deg/h, slow_time: 1000 s}")
+    (tmp_path / "own.yaml").write_text(own)
+    (tmp_path / "usual.yaml").write_text(device("pair: 0.2 deg/h"))
+    one = "0.3 deg/h, correlation_time: 300 s"
+    calls = []
+    for asked in (
+        "analyze {} --only gyro.{} --no-validate --json -",
+        "mission {} --mission bend.yaml --only gyro.{} --no-validate --json -",
+    ):
+        calls.append(asked.format("own.yaml", "pair"))
+        for time in (100, 1000):
+            part = own.replace(one, f"0.2 deg/h, correlation_time: {time} s")
+            (tmp_path / f"part-{time}.yaml").write_text(part)
+            calls.append(asked.format(f"part-{time}.yaml", "bias_stability"))
+    *found, usual = run(tmp_path, *calls, "validate usual.yaml")
+
+    for three, wanted in (
+        (found[:3], ("gyro", "scale_factor", "x")),
+        (found[3:], ("mission", "position", "north")),
+    ):
+        whole, *parts = (spread(outcome, *wanted) ** 2 for outcome in three)
+        assert_allclose(whole, sum(parts) / 2.0, rtol=1e-6)
+    assert "gyro.pair: slow_time is not said: 3000 s taken" in usual.out
+
+
 HEAD = """
 from dataclasses import dataclass, replace
 import numpy as np
@@ -306,9 +379,10 @@ OFFSET = row("shift", Offset("tilt"))
 NEGATIVE = row("negative", Negative())
 MONEY = row("money", type("Money", (Fine,), {"formula": "$x$"})())
 NEEDED = row("needed", Fine(), expected="needed")
+KEYED = row("keyed", Fine(), keys=(Key(name="value", unit="s", usual=1.0, says=""),))
 LATE = row("late", Late())
 UNBOUND = row("unbound", Unbound())
-CROOKED = row("crooked", type("Crooked", (Fine,), {"formula": "(((x frac"})())
+CROOKED = row("crooked", type("Crooked", (Fine,), {"formula": "nofunction(x)"})())
 TWICE = row("twice", Fine())
 """
 # By the key: what an entry point names, and what is said of it.
@@ -335,7 +409,8 @@ BROKEN = {
     "shift": ("broken:OFFSET", "its target is 'tilt', expected scale_factor"),
     "negative": ("broken:NEGATIVE", "not symmetric, or of a negative variance"),
     "money": ("broken:MONEY", "a formula without '$'"),
-    "needed": ("broken:NEEDED", "its expected is 'needed', expected ''"),
+    "keyed": ("broken:KEYED", "its keys are not a tuple of Key"),
+    "needed": ("broken:NEEDED", "it says expected, which ties lines of budget"),
 }
 TRIED_LATER = {"late": "LATE", "unbound": "UNBOUND", "crooked": "CROOKED"}
 

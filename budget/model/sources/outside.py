@@ -36,6 +36,7 @@ from budget.model.source import (
     Disturbance,
     Given,
     Initial,
+    Key,
     Noise,
     Offset,
     Samples,
@@ -62,6 +63,17 @@ AXIS = re.compile("[A-Za-z0-9_]{0,20}")
 MOST_VALUES = 100  # of one line: all second derivatives are carried
 # What stands under a sensor already, and what outputs and tables are called.
 TAKEN = frozenset({*OUTPUTS, "errors", "interaction", "nominal", "noise", "other"})
+# What a value says already, and what ties lines of our own to one another.
+SAID = frozenset(
+    {
+        *("value", "axes", "meaning", "distribution", "includes", "horizon", "reading"),
+        *("condition", "source", "adds_to", "definition", "density"),
+    }
+)
+TIES = (
+    *("expected", "time", "points", "forms", "value", "beside", "over_temperature"),
+    *("left_of", "use", "is_asked", "grades"),
+)
 STAYS = (DEVICE, TURN_ON, TEST, IN_RUN)
 EFFECTS = Noise | Disturbance | Offset | TurnOnChange
 IN_RUN_KINDS = ("white", "walk", "markov", "rounding")
@@ -158,15 +170,13 @@ def _wrong_with(source: Source, entry: EntryPoint, ours: set[str]) -> Iterator[s
         yield f"budget itself calls something {name!r}; expected a key of its own"
     yield from _wrong_units(source.units)
     yield from _wrong_kind(source)
+    yield from _wrong_ties(source)
     for key, value, allowed in (
         ("stays", source.stays, STAYS),
         ("colour", source.colour, (*COLOURS, "")),
-        *((key, getattr(source, key), ("",)) for key in ("expected", "time", "points")),
     ):
         if value not in allowed:
             yield f"its {key} is {value!r}, expected {', '.join(map(repr, allowed))}"
-    if source.forms:
-        yield "it has forms; expected one effect: another is another line"
     texts = [source.model, *(getattr(source.effect, one, "") for one in TEXTS)]
     if not isinstance(source.words, tuple) or not all(
         isinstance(text, str) and text.isprintable() for text in (*texts, *source.words)
@@ -177,6 +187,30 @@ def _wrong_with(source: Source, entry: EntryPoint, ours: set[str]) -> Iterator[s
         )
     elif not source.model or "$" in source.effect.formula:
         yield "expected a model, a line on what it is, and a formula without '$'"
+
+
+def _wrong_ties(source: Source) -> Iterator[str]:
+    """Yield what is wrong with keys of its own, and with what is of our lines alone."""
+    for tie in TIES:
+        if getattr(source, tie):
+            yield f"it says {tie}, which ties lines of budget; expected it left out"
+    if not isinstance(source.keys, tuple) or not all(map(_is_key, source.keys)):
+        yield (
+            "its keys are not a tuple of Key, each with a name that no value has yet, "
+            "a unit of docs/files.md and a usual size above 0; expected that"
+        )
+
+
+def _is_key(key: object) -> bool:
+    """Whether something is a key that can stand beside a value."""
+    return (
+        isinstance(key, Key)
+        and KEY.fullmatch(key.name) is not None
+        and key.name not in SAID
+        and key.usual > 0.0
+        and size_of(key.unit) > 0.0
+        and key.says.isprintable()
+    )
 
 
 def _wrong_units(units: Any) -> Iterator[str]:  # noqa: ANN401 - whatever stands there
@@ -223,7 +257,12 @@ TEXTS = ("formula", "letters", "needs")
 def _wrong_effect(source: Source) -> Iterator[str]:
     """Yield what is wrong with what an effect does, where it is tried."""
     effect, n = source.effect, len(source.axes)
-    given = Given(name=source.name, u=np.ones(n), distributions=(NORMAL,) * n)
+    given = Given(
+        name=source.name,
+        u=np.ones(n),
+        distributions=(NORMAL,) * n,
+        own={one.name: one.usual for one in source.keys},
+    )
     if isinstance(effect, Disturbance):
         yield from _wrong_in_use(effect, n)
     elif isinstance(effect, Noise):
