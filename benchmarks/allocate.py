@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.inputs import load_device, load_procedure, load_requirement
+from budget.question import Question
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import (
     NO_BOUNDS,
@@ -49,14 +50,16 @@ def main() -> None:
     device = load_device("zhao-2019")
     wanted, procedure = load_requirement("navigation-grade"), load_procedure()
     names = ("scale_factor_nonlinearity", "scale_factor_asymmetry")
-    sensors = tuple(with_more(sensor, names) for sensor in device.sensors)
+    whole = Question.of(device, procedure=procedure, requirement=wanted)
+    whole = whole.with_sensors(with_more(one, names) for one in device.sensors)
+    sensors = whole.sensors
     print(f"{sum(len(sensor.lines) for sensor in sensors)} sources, 24 outputs")
     for strategy in STRATEGIES:
         times = []
         for _ in range(REPEATS):
             begun = perf_counter()
             for sensor in sensors:
-                case = set_up(sensor, procedure, wanted, NO_BOUNDS, {})
+                case = set_up(whole.alone(sensor.kind), NO_BOUNDS, {})
                 if case is None:
                     raise SystemExit("the requirement has no limits")
                 solved = solve(case, strategy, None)

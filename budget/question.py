@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
 
 from budget.aiding import problem_of_mission
 from budget.calibration.aiding import lines_of_mission
 from budget.calibration.derived import (
-    combination,
     known_outputs,
     outputs_for,
     parts_of,
@@ -24,23 +26,34 @@ from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
     NORM,
-    WEIGHTED,
     calibrates,
-    estimated,
     initial_lines,
-    noise_of,
+    is_beside,
     with_accelerometers,
 )
 from budget.errors import CallError, UnitError
-from budget.inputs import load_procedure
+from budget.inputs import (
+    load_calibration,
+    load_devices,
+    load_mission,
+    load_procedure,
+    load_requirement,
+)
 from budget.inputs.mission import MOST_TIMES
-from budget.inputs.records import UNCALIBRATED, Device
+from budget.inputs.records import JOINT, UNCALIBRATED, Device
+from budget.inputs.use import in_use
 from budget.methods.gum import propagate
-from budget.missing import Filling
-from budget.missing.expected import expecting, lacking, lacking_of_mission
+from budget.missing import REFUSE, Filling, fill_all
+from budget.missing.expected import (
+    expecting,
+    expecting_device,
+    lacking,
+    lacking_of_mission,
+)
 from budget.model.sources import (
     ACCELEROMETER,
     ENVIRONMENT,
+    GYRO,
     SENSORS,
     STATION,
     lines_of,
@@ -55,23 +68,26 @@ from budget.names import (
     meant,
     time_text,
 )
-from budget.sentences import sentence
 from budget.settings import Asked, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.files import File
     from budget.inputs.records import (
         ErrorLine,
         Mission,
         Procedure,
         Requirement,
         Sensor,
+        Station,
     )
     from budget.methods.gum import Propagation
-    from budget.problem import Problem
+    from budget.problem import Output, Problem
     from budget.results import Budget
 
 SHARED = (STATION, ENVIRONMENT)  # what all triads share
@@ -81,11 +97,65 @@ SAME_TIME = 1e-9  # relative; of two times that are one [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Question:
-    """Devices under a procedure, and what their errors are counted from.
+class Limited:
+    """A Problem, and limits on some of its outputs."""
 
-    The Problem and its law are made when they are first asked for, once: whatever
-    looks at the same calibration is given this.
+    problem: Problem
+    # Required outputs among those of the Problem, shape (n_required,).
+    rows: NDArray[np.intp]
+    limits: Array  # on their absolute errors, shape (n_required,) [SI]
+    coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
+    printed: tuple[str, ...]  # the limits as the requirement file gives them
+    usual: float  # the requirement's coverage, of limits without their own [1]
+    # Parameters with a limit that the calibration does not estimate.
+    absent: tuple[Name, ...] = ()
+    is_joint: bool = False  # whether all limits are to be kept together
+
+    @classmethod
+    def of(cls, problem: Problem, requirement: Requirement) -> Self | None:
+        """Put the limits of a requirement on a Problem; None where it has none."""
+        places = {output.name: row for row, output in enumerate(problem.outputs)}
+        required = [one for one in requirement.limits if one.output in places]
+        if not required:
+            return None
+        owners = {name.owner for name in places}
+        return cls(
+            problem=problem,
+            rows=np.array([places[limit.output] for limit in required]),
+            limits=np.array([limit.limit for limit in required]),
+            coverage=np.array([requirement.coverage_of(limit) for limit in required]),
+            printed=tuple(limit.printed for limit in required),
+            usual=requirement.coverage,
+            is_joint=requirement.decision == JOINT,
+            absent=tuple(
+                name
+                for name in requirement.outputs
+                if name not in places and name.owner in owners
+            ),
+        )
+
+    @property
+    def outputs(self) -> tuple[Output, ...]:
+        """The required outputs."""
+        return tuple(self.problem.outputs[row] for row in self.rows)
+
+    @property
+    def every_coverage(self) -> Array:
+        """Coverages of all outputs of the Problem, shape (n_out,) [1].
+
+        What is not required has that of the first that is.
+        """
+        found = np.full(len(self.problem.outputs), self.coverage[0])
+        found[self.rows] = self.coverage
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Question:
+    """Devices under a procedure, maybe on a mission, and what their errors are held to.
+
+    Its Problem, law and limits are made when they are first asked for, once: whatever
+    looks at the same calibration is given this, or what `alone` and `under` return.
     """
 
     devices: tuple[Device, ...]  # together at most one gyro and one accelerometer
@@ -108,6 +178,10 @@ class Question:
     on_mission: Procedure | None = None
     # Devices that are comparable; None: those that ship.
     catalogue: tuple[Device, ...] | None = None
+    # The devices as their data sheets leave them; None: as they are.
+    given: tuple[Device, ...] | None = None
+    # Whose unit the filter of the mission is made for; None: this one.
+    designed: Question | None = None
 
     @classmethod
     def of(
@@ -115,50 +189,264 @@ class Question:
         *devices: Device,
         procedure: Procedure | None = None,
         requirement: Requirement | None = None,
+        mission: Mission | None = None,
+        carried_to: tuple[float, ...] | None = None,
+        on_mission: Procedure | None = None,
         coverage: float | None = None,
         reference: str | None = None,
         only: Sequence[str] = (),
         outputs: Sequence[str] = (),
+        missing: str = REFUSE,
+        catalogue: Sequence[Device] | None = None,
     ) -> Self:
         """Put together what a caller asks for; without an option its usual value.
+
+        The procedure is put in its use, what its data sheets do not give is expected
+        and filled, names are resolved.
 
         Raises
         ------
         CallError
             Options or devices that do not fit together.
         """
-        procedure = load_procedure(None) if procedure is None else procedure
-        settings = Asked(coverage=coverage, reference=reference).settle(requirement)
-        check("analyze", settings)
-        chosen, _ = choose_sources(sensors_of(devices, procedure), procedure, only)
-        return cls(
-            devices=devices,
-            procedure=procedure,
-            coverage=settings.coverage,
-            reference=settings.reference,
-            only=chosen,
+        is_carried = carried_to is not None
+        if is_carried:
+            reference = _after_a_turn_on(reference, requirement)
+        basis = Asked(coverage=coverage, reference=reference).settle(requirement)
+        check("analyze", basis)
+        how = load_procedure(None) if procedure is None else procedure
+        if on_mission is not None:
+            is_same = on_mission is how
+            on_mission = None if is_same else in_use(on_mission, requirement, mission)
+        how = in_use(how, requirement, mission)
+        if is_carried and outputs:
+            raise CallError(
+                "outputs and matrices are of a calibration, and this is of a mission, "
+                "which has neither; leave --outputs and --matrices out"
+            )
+        if not is_carried and how.formulas in UNCALIBRATED:
+            raise CallError(
+                f"{how.name}: there is no test whose budget this could be; give a "
+                "procedure, or a mission, on which such a unit has errors"
+            )
+        navigating(devices) if is_carried else sensors_of(devices, how)
+        found, filling, given = devices, Filling(), None
+        if missing != REFUSE:
+            given = devices
+            expected = [
+                expecting_device(one, how, basis.reference, every=is_carried)
+                for one in devices
+            ]
+            found, filling = fill_all(expected, missing, catalogue)
+        asked = cls(
+            devices=found,
+            procedure=how,
+            coverage=basis.coverage,
+            reference=basis.reference,
             requirement=requirement,
-            asked=choose_outputs(devices, procedure, outputs),
+            filling=filling,
+            mission=mission,
+            carried_to=carried_to,
+            on_mission=on_mission,
+            catalogue=None if catalogue is None else tuple(catalogue),
+            given=given,
+        )
+        return replace(
+            asked,
+            only=choose_sources(asked, only),
+            asked=None if is_carried else choose_outputs(asked, outputs),
         )
 
-    def alone(self, owner: str) -> Self:
+    @classmethod
+    def load(
+        cls,
+        *devices: Device | File,
+        procedure: Procedure | File | None = None,
+        calibration: Procedure | File | None = None,
+        station: Station | File | None = None,
+        age: str | None = None,
+        environment: str | None = None,
+        requirement: Requirement | File | None = None,
+        mission: Mission | File | None = None,
+        at: Sequence[float | str] = (),
+        **asked: Any,  # noqa: ANN401 - of `of`
+    ) -> Self:
+        """Read what a caller names, and put it together: the way to every study.
+
+        With a mission it is of that; `at` are times [s], those of its file without.
+
+        Raises
+        ------
+        CallError
+            Options or devices that do not fit together.
+        SpecError
+            A file is not sound.
+        """
+        wanted = None if requirement is None else load_requirement(requirement)
+        route = None if mission is None else load_mission(mission)
+        if route is None and tuple(at):
+            raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
+        return cls.of(
+            *load_devices(devices),
+            procedure=load_calibration(
+                calibration,
+                procedure,
+                station=station,
+                age=age,
+                environment=environment,
+                mission=route,
+                requirement=wanted,
+            ),
+            requirement=wanted,
+            mission=route,
+            carried_to=None if route is None else choose_times(route, at, wanted),
+            **asked,
+        )
+
+    def whole(self) -> Self:
+        """Return it, where every limit can be judged.
+
+        Raises
+        ------
+        CallError
+            With the limits that nothing can be said of.
+        """
+        how = self.on_mission or self.procedure
+        refuse_unjudged(self.wanted, self.mission, how)
+        return self
+
+    def alone(self, owner: str) -> Question:
         """Return the same of one triad, as if the other were not there.
 
         Of what belongs to both, IMU: the two, with nothing of either alone.
         """
-        if owner == IMU:
-            known = known_outputs([one.kind for one in self.sensors], self.procedure)
-            of_both = tuple(name for name in known if name.owner == IMU)
-            return replace(self, requirement=None, asked=of_both)
+        return self.kept(owner, lambda: self._alone(owner))
+
+    def _alone(self, owner: str) -> Question:
+        """Return it of one owner of outputs."""
         if owner == MISSION:
             how = self.on_mission or self.procedure
             return replace(self, procedure=how, asked=None, carried_to=())
-        return replace(self, kinds=(owner,), asked=None)
+        if owner != IMU:
+            return replace(self, kinds=(owner,), asked=None)
+        known = known_outputs([one.kind for one in self.sensors], self.procedure)
+        wanted = self.requirement
+        if wanted is not None:
+            limits = tuple(one for one in wanted.limits if one.output.owner == IMU)
+            wanted = replace(wanted, limits=limits)
+        of_both = tuple(name for name in known if name.owner == IMU)
+        return replace(self, requirement=wanted, asked=of_both)
+
+    def carry(self, times: tuple[float, ...], only: Sequence[str] = ()) -> Question:
+        """Return what follows on its mission, at times besides those of its limits."""
+        wanted = self.requirement
+        wanted = None if wanted is None or MISSION not in wanted.kinds else wanted
+        found = Question.of(
+            *(self.given or self.devices),
+            procedure=self.on_mission or self.procedure,
+            requirement=wanted,
+            mission=self.mission,
+            carried_to=times,
+            coverage=self.coverage,
+            only=only,
+            missing=self.filling.mode,
+            catalogue=self.catalogue,
+        )
+        if wanted is not None and self.given is None and not only:
+            found.kept(MISSION, lambda: self.alone(MISSION))
+        return found
+
+    @cached_property
+    def _kept(self) -> dict[Hashable, Question]:
+        """What was made of it."""
+        return {}
+
+    def kept(self, key: Hashable, make: Callable[[], Question]) -> Question:
+        """Return what was made of it under a key, once."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
+    def under(self, procedure: Procedure) -> Question:
+        """Return the same after another calibration."""
+        if procedure is self.procedure:
+            return self
+        return self.kept(procedure, lambda: replace(self, procedure=procedure))
+
+    def in_use(self, lines: Sequence[ErrorLine]) -> Question:
+        """Return the same in an environment of more lines."""
+        if not lines:
+            return self
+        own = self.procedure
+        used = replace(own, environment=(*own.environment, *lines))
+        return self.kept(tuple(map(id, lines)), lambda: replace(self, procedure=used))
+
+    def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
+        """Return the same of other triads, in the place of those of their kinds."""
+        found = {one.kind: one for one in sensors}
+        devices = tuple(
+            replace(
+                device,
+                gyro=device.gyro and found.get(GYRO, device.gyro),
+                accelerometer=device.accelerometer
+                and found.get(ACCELEROMETER, device.accelerometer),
+            )
+            for device in self.devices
+        )
+        return replace(self, devices=devices)
+
+    def with_lines(
+        self, lines: Mapping[Name, ErrorLine], *, less: Sequence[str] = ()
+    ) -> Question:
+        """Return the same with more lines in its triads, and `less` some.
+
+        A filter keeps the gains that it has by what is given: nobody told it more.
+        """
+        found = (
+            one.with_lines(
+                (
+                    *(x for x in (*one.lines, *one.initial) if x.name not in less),
+                    *(line for name, line in lines.items() if name.owner == one.kind),
+                )
+            )
+            for device in self.devices
+            for one in device.sensors
+        )
+        designed = self.designed or self
+        return self.kept(
+            (*less, *((name, *_told(one)) for name, one in lines.items())),
+            lambda: replace(self.with_sensors(found), designed=designed),
+        )
+
+    @property
+    def wanted(self) -> Requirement:
+        """The limits.
+
+        Raises
+        ------
+        ValueError
+            There are none.
+        """
+        if self.requirement is None:
+            raise ValueError("no limits were asked for")
+        return self.requirement
 
     @property
     def journey(self) -> Mission | None:
         """The mission that it is of; None of a calibration."""
         return None if self.carried_to is None else self.mission
+
+    @property
+    def owner(self) -> str:
+        """Owner of the outputs: a triad, what belongs to both, or the mission."""
+        if self.journey is not None:
+            return MISSION
+        return IMU if len(self.sensors) > 1 else self.sensors[0].kind
+
+    @property
+    def is_later(self) -> bool:
+        """Whether it is of a use, so that its environment and its age count."""
+        return self.journey is not None or self.reference == ON_MISSION
 
     @cached_property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -179,6 +467,36 @@ class Question:
         )
 
     @cached_property
+    def there(self) -> tuple[Sensor, ...]:
+        """The triads, and those that a calibration of them rests on."""
+        if self.journey is not None:
+            return self.sensors
+        return with_accelerometers(self.sensors, self.procedure)
+
+    @property
+    def has_lines(self) -> bool:
+        """Whether any error line is given."""
+        return any(sensor.lines for sensor in self.sensors)
+
+    @property
+    def missing(self) -> tuple[Name, ...]:
+        """Expected lines that are not given and nothing stands for, of all `there`."""
+        return tuple(name for sensor in self.there for name in sensor.expected_missing)
+
+    @cached_property
+    def lines(self) -> dict[Name, ErrorLine]:
+        """Every line that counts: of all `there`, of station and environment, of aids.
+
+        On a mission those of what is held from its making, too.
+        """
+        return given_lines(
+            self.there,
+            self.procedure,
+            every=self.journey is not None,
+            mission=self.journey,
+        )
+
+    @cached_property
     def filled(self) -> Filling:
         """What stands for lines of the triads, and of those that they rest on."""
         there = {one.kind for one in with_accelerometers(self.sensors, self.procedure)}
@@ -186,16 +504,41 @@ class Question:
         names = (*(line.expected for line in filling.lines), *filling.left)
         return filling.of([name for name in names if name.owner in there])
 
+    @property
+    def bare(self) -> Question:
+        """The same with the devices as their data sheets leave them."""
+        if self.given is None:
+            return self
+        return replace(self, devices=self.given, given=None, filling=Filling())
+
+    @cached_property
+    def limited(self) -> tuple[str, ...]:
+        """Owners of what has limits and can be judged: triads, both, the mission."""
+        wanted = () if self.requirement is None else self.requirement.outputs
+        found: dict[str, None] = {}
+        if self.journey is None:
+            kinds = [sensor.kind for sensor in self.sensors]
+            known = known_outputs(kinds, self.procedure)
+            first = self.sensors[0]
+            if is_beside(self.procedure) and first.kind == GYRO and not first.beside:
+                known = ()  # a gyro is found beside accelerometers
+            found = dict.fromkeys(name.owner for name in known if name in wanted)
+        if self.mission is not None and any(x.owner == MISSION for x in wanted):
+            found[MISSION] = None
+        return tuple(found)
+
     @cached_property
     def problem(self) -> Problem:
         """Inputs, measurement function and outputs of calibration or mission."""
         if self.journey is not None:
+            known = self.designed or self
             return problem_of_mission(
                 self.sensors,
                 self.procedure,
                 self.journey,
                 self.outputs or (),
                 only=self.only,
+                designed=(known.sensors, known.procedure),
             )
         return calibration_problem(
             self.sensors,
@@ -204,6 +547,13 @@ class Question:
             only=self.only,
             outputs=self.outputs,
         )
+
+    @cached_property
+    def held(self) -> Limited | None:
+        """Its Problem with the limits on it; None where it has none."""
+        if self.requirement is None:
+            return None
+        return Limited.of(self.problem, self.requirement)
 
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:
@@ -220,26 +570,6 @@ class Question:
             limited,
             self.asked,
         )
-
-    @cached_property
-    def derive(self) -> Callable[[Array], Array]:
-        """What makes outputs of errors of the parameters, both of shape (n, runs) [SI].
-
-        Raises
-        ------
-        CallError
-            They are of a mission, in which errors of parameters are not all.
-        """
-        if self.journey is not None:
-            raise CallError(
-                "--method simulation simulates the calibration, and a mission takes "
-                "its noise in run besides; take gum or monte-carlo"
-            )
-        if self.outputs is None:
-            return lambda errors: errors
-        kinds = [sensor.kind for sensor in self.sensors]
-        names = [name for kind in kinds for name in estimated(kind, self.procedure)]
-        return combination(names, self.outputs)
 
     @cached_property
     def law(self) -> Propagation:
@@ -263,6 +593,18 @@ class Question:
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
         )
+
+
+def _told(line: ErrorLine) -> tuple[Hashable, ...]:
+    """Return what tells a line from others of its name."""
+    times = line.correlation_time
+    return (
+        line.name,
+        line.form,
+        line.distributions,
+        line.u.tobytes(),
+        None if times is None else times.tobytes(),
+    )
 
 
 def question_of(budget: Budget) -> Question:
@@ -374,69 +716,50 @@ def on_mission(limited: Iterable[Name], mission: Mission) -> tuple[Name, ...]:
     return tuple(own)
 
 
-def after_a_turn_on(reference: str | None) -> str:
+def _after_a_turn_on(reference: str | None, requirement: Requirement | None) -> str:
     """Return the error reference of a mission.
 
     Raises
     ------
     CallError
-        Another one is asked for.
+        Another one is asked for, or the requirement says nothing of a mission.
     """
     if reference not in {None, ON_MISSION}:
         raise CallError(
             f"reference is {reference!r}, and a mission begins with a turn-on of its "
             f"own: allowed is {ON_MISSION}"
         )
-    return ON_MISSION
-
-
-def limits_on_mission(requirement: Requirement) -> None:
-    """Refuse a requirement that says nothing of a mission.
-
-    Raises
-    ------
-    CallError
-        It has no limit on one.
-    """
-    if MISSION not in requirement.kinds:
+    if requirement is not None and MISSION not in requirement.kinds:
         raise CallError(
             f"{requirement.origin.file}: {requirement.name} has no limit on a "
             "mission; add one, as limits: {mission: {position: {horizontal: 1 nmi, "
             "at: 1 h, probability: 50 %}}}, or leave the requirement or the mission out"
         )
+    return ON_MISSION
 
 
-def mission_for(requirement: Requirement, mission: Mission | None) -> None:
-    """Refuse limits on a mission without one, and one without limits on it.
+def refuse_unjudged(
+    requirement: Requirement, mission: Mission | None, procedure: Procedure
+) -> None:
+    """Refuse limits on a mission that is not there, and on a calibration that is none.
 
     Raises
     ------
     CallError
         With the limits that nothing can be said of.
     """
-    if mission is not None:
-        limits_on_mission(requirement)
-    elif limited := [name for name in requirement.outputs if name.owner == MISSION]:
+    limited = [name for name in requirement.outputs if name.owner == MISSION]
+    if limited and mission is None:
         raise CallError(
             f"{requirement.name} limits {', '.join(limited)}, which depends on the "
             "mission; give one with --mission FILE, or a requirement without "
             "these limits"
         )
-
-
-def needs_test(requirement: Requirement, procedure: Procedure) -> None:
-    """Refuse limits on a calibration where nobody calibrates.
-
-    Raises
-    ------
-    CallError
-        With what they are on.
-    """
-    limited = [kind for kind in requirement.kinds if kind != MISSION]
-    if limited and procedure.formulas in UNCALIBRATED:
+    kinds = [kind for kind in requirement.kinds if kind != MISSION]
+    if kinds and procedure.formulas in UNCALIBRATED:
         raise CallError(
             f"{requirement.origin.file}: {requirement.name} limits the residual error "
-            f"of {' and '.join(limited)}, and {procedure.name} is no calibration; "
+            f"of {' and '.join(kinds)}, and {procedure.name} is no calibration; "
             "give a procedure, or a requirement with limits on a mission only"
         )
 
@@ -499,18 +822,7 @@ def seconds(time: float | str) -> float:
         raise CallError(f"time {error}") from None
 
 
-def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
-    """Say of which triads that are there a procedure finds nothing."""
-    if procedure.formulas in UNCALIBRATED:
-        return ()
-    return tuple(
-        sentence("cautions.not_calibrated", procedure=procedure.name, sensor=kind)
-        for kind in _kinds(devices)
-        if not calibrates(kind, procedure)
-    )
-
-
-def _kinds(devices: Sequence[Device]) -> tuple[str, ...]:
+def kinds_of(devices: Sequence[Device]) -> tuple[str, ...]:
     """Return the kinds of triad that are there, each once."""
     kinds = (sensor.kind for device in devices for sensor in device.sensors)
     return tuple(dict.fromkeys(kinds))
@@ -530,51 +842,7 @@ def limited_but_held(
     )
 
 
-def not_estimated(
-    devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
-) -> tuple[str, ...]:
-    """Say which limits a procedure says nothing of, as it holds what they are on."""
-    limits = () if requirement is None else requirement.outputs
-    return tuple(
-        sentence(
-            "cautions.not_estimated", procedure=procedure.name, parameters=parameters
-        )
-        for parameters in by_group(limited_but_held(_kinds(devices), procedure, limits))
-    )
-
-
-def not_on_a_mission(
-    requirement: Requirement | None, mission: Mission | None
-) -> tuple[str, ...]:
-    """Say that limits on a mission are judged by nobody who is given none."""
-    if mission is not None or requirement is None or MISSION not in requirement.kinds:
-        return ()
-    return (sentence("cautions.limits_on_a_mission"),)
-
-
-def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
-    """Say which limits are judged by nobody who takes the sensors one by one."""
-    of_both = [name for name in requirement.outputs if name.owner == IMU]
-    return tuple(
-        sentence("cautions.of_both", parameters=parameters)
-        for parameters in by_group(of_both)
-    )
-
-
-def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
-    """Say for which triads there is no noise that an estimator could weigh by."""
-    if procedure.formulas != WEIGHTED:
-        return ()
-    return tuple(
-        sentence("cautions.no_weights", sensor=sensor.kind)
-        for sensor in sensors
-        if not noise_of(sensor.kind, sensor.lines)
-    )
-
-
-def choose_outputs(
-    devices: Sequence[Device], procedure: Procedure, texts: Sequence[str]
-) -> tuple[Name, ...] | None:
+def choose_outputs(question: Question, texts: Sequence[str]) -> tuple[Name, ...] | None:
     """Resolve the names after `--outputs`: of a group, one of its axes, in any triad.
 
     Returns
@@ -590,9 +858,9 @@ def choose_outputs(
     """
     if not texts:
         return None
-    if isinstance(texts, str):  # one name, not a sequence of letters
-        texts = (texts,)
-    kinds = [sensor.kind for sensor in sensors_of(devices, procedure)]
+    texts = _texts("outputs", texts)
+    procedure = question.procedure
+    kinds = [sensor.kind for sensor in question.sensors]
     known = known_outputs(kinds, procedure)
     chosen: set[Name] = set()
     faults = []
@@ -621,6 +889,23 @@ def choose_outputs(
     if faults:
         raise CallError("\n".join(f"--outputs: {fault}" for fault in faults))
     return tuple(name for name in known if name in chosen)
+
+
+def _texts(option: str, given: Sequence[str]) -> tuple[str, ...]:
+    """Return what an option names, one alone too.
+
+    Raises
+    ------
+    CallError
+        It has something else than texts.
+    """
+    names = (given,) if isinstance(given, str) else given
+    if not isinstance(names, Iterable):
+        raise CallError(f"{option} is {given!r}, expected names: ['gyro.bias']")
+    names = tuple(names)
+    if wrong := [one for one in names if not isinstance(one, str)]:
+        raise CallError(f"{option} has {wrong[0]!r}, expected names: 'gyro.bias'")
+    return names
 
 
 def _owners(name: Name) -> set[str]:
@@ -725,20 +1010,8 @@ def read_name(text: str) -> Name:
     return next((name for name in known if name == text), Name(text))
 
 
-def choose_sources(
-    sensors: Sequence[Sensor],
-    procedure: Procedure,
-    only: Sequence[str],
-    mission: Mission | None = None,
-) -> tuple[frozenset[Name] | None, tuple[str, ...]]:
-    """Resolve the names after `--only`.
-
-    Returns
-    -------
-    frozenset of Name or None
-        None where nothing was chosen, so that everything counts.
-    tuple of str
-        Warnings about lines that a device does not give.
+def choose_sources(question: Question, only: Sequence[str]) -> frozenset[Name] | None:
+    """Resolve the names after `--only`; None where nothing is, so that all count.
 
     Raises
     ------
@@ -746,19 +1019,15 @@ def choose_sources(
         A name is no source of these sensors.
     """
     if not only:
-        return None, ()
-    if isinstance(only, str):  # one name, not a sequence of letters
-        only = (only,)
-    is_known = any(line.course for line in procedure.environment)
+        return None
+    only = _texts("only", only)
+    is_known = any(line.course for line in question.procedure.environment)
     known = (
         *(
             name
-            for name in source_names(sensors, procedure)
+            for name in source_names(question.sensors, question.procedure)
             if is_known or source_of(name.owner, name.quantity).varies
         ),
-        *lines_of_mission(mission),
+        *lines_of_mission(question.journey),
     )
-    chosen = frozenset(find_sources(only, known, option="--only"))
-    given = given_lines(sensors, procedure, mission=mission)
-    absent = sorted(chosen - given.keys())
-    return chosen, tuple(sentence("cautions.asked_alone", name=name) for name in absent)
+    return frozenset(find_sources(only, known, option="--only"))

@@ -9,6 +9,7 @@ import numpy as np
 from budget.distributions import NORMAL
 from budget.inputs.records import (
     AccelerometerProcedure,
+    Device,
     ErrorLine,
     GyroProcedure,
     Origin,
@@ -16,6 +17,7 @@ from budget.inputs.records import (
     Sensor,
 )
 from budget.model.sources import SOURCES
+from budget.question import Question
 from budget.units import (
     ARCSEC,
     DEG_PER_HOUR,
@@ -134,6 +136,20 @@ def procedure(
         environment=environment,
         **more,
     )
+
+
+def asked(*sensors, **more):
+    """Return the Question of a device of these triads; `more` as of Question.of."""
+    found = {one.kind: one for one in sensors}
+    made = Device(
+        name="made",
+        gyro=found.get("gyro"),
+        accelerometer=found.get("accelerometer"),
+        figures=(),
+        assumptions=(),
+        origin=NOWHERE,
+    )
+    return Question.of(made, **more)
 
 
 def at_sources(problem, **values):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,12 +83,7 @@ def compute(
     """Load what is named and compute its budget, of a mission where there is one."""
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations
-    from budget.inputs import load_calibration, load_mission, load_requirement
-    from budget.question import (
-        after_a_turn_on,
-        choose_times,
-        limits_on_mission,
-    )
+    from budget.question import Question
     from budget.studies.analysis import analyze_as
 
     check_destinations(
@@ -100,32 +94,22 @@ def compute(
             *(mission, station, requirement),
         ],
     )
-    route = None if mission is None else load_mission(mission)
-    loaded = options.load_devices(devices, changes)
-    wanted = None if requirement is None else load_requirement(requirement)
-    if route is not None:
-        after_a_turn_on(asked.reference)
-        asked = replace(asked, reference="next_turn_on")
-        if wanted is not None:
-            limits_on_mission(wanted)
-    times = None if route is None else choose_times(route, at or (), wanted)
-    how = load_calibration(
-        calibration,
-        procedure,
+    settings = asked.settings(None)
+    question = Question.load(
+        *options.load_devices(devices, changes),
+        procedure=procedure,
+        calibration=calibration,
         station=station,
         age=age,
         environment=environment,
-        mission=route,
-        requirement=wanted,
+        requirement=requirement,
+        mission=mission,
+        at=at or (),
+        coverage=asked.coverage,
+        reference=asked.reference,
+        only=settings.only,
+        outputs=settings.outputs,
+        missing=asked.missing,
     )
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        return analyze_as(
-            asked.settings(wanted),
-            *loaded,
-            requirement=wanted,
-            procedure=how,
-            mission=route,
-            carried_to=times,
-            engine=engine,
-            command=command,
-        )
+        return analyze_as(settings, question, engine=engine, command=command)

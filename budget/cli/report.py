@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from budget.inputs.records import Device, Mission, Procedure, Requirement
+    from budget.question import Question
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
     from budget.settings import Engine
 
 
-REFERENCE = "next_turn_on"  # of a mission, which begins with a turn-on of its own
 BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
 OF_MISSION = frozenset({"mission", "at"})  # which analyze takes in place of a test
 
@@ -93,12 +93,7 @@ def report(
         load_requirement,
     )
     from budget.language import speaking
-    from budget.names import MISSION
-    from budget.question import (
-        choose_times,
-        mission_for,
-        question_of,
-    )
+    from budget.question import choose_times
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
     from budget.report.rendering import check_suffixes, document_date
@@ -132,44 +127,34 @@ def report(
     loaded = options.load_devices(devices, changes)
     wanted = None if requirement is None else load_requirement(requirement)
     route = None if mission is None else load_mission(mission)
-    how, of_mission = _calibrations(
+    settings = asked.settings(None)
+    question = _asked(
+        loaded,
         partial(load_calibration, station=station, age=age, environment=environment),
         calibration,
         procedure,
-        mission=route,
         requirement=wanted,
+        mission=route,
+        coverage=asked.coverage,
+        reference=asked.reference,
+        only=settings.only,
+        outputs=settings.outputs,
+        missing=asked.missing,
     )
     times = () if route is None else choose_times(route, at or (), wanted)
-    if wanted is not None and route is None:
-        mission_for(wanted, None)
     others = load_all(compare or [])
-    settings = asked.settings(wanted)
     with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        budget = analyze_as(
-            settings,
-            *loaded,
-            procedure=how,
-            requirement=wanted,
-            mission=route,
-            on_mission=of_mission,
-            engine=engine,
-            command="report",
-        )
+        budget = analyze_as(settings, question, engine=engine, command="report")
         carried = None
         if route is not None:
             carried = analyze_as(
-                replace(settings, reference=REFERENCE, outputs=(), matrices=False),
-                *loaded,
-                procedure=of_mission,
-                requirement=wanted if wanted and MISSION in wanted.kinds else None,
-                mission=route,
-                carried_to=times,
+                replace(settings, matrices=False),
+                question.carry(times, settings.only),
                 engine=engine,
                 command="mission",
             )
-        loaded, bare = question_of(budget).devices, loaded
         evidence = gather_evidence(
-            question_of(budget),
+            question,
             budget,
             budget.assessment,
             carried=carried,
@@ -179,12 +164,8 @@ def report(
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),
                 *_extras(
-                    bare,
+                    question,
                     others,
-                    of_mission if wanted and MISSION in wanted.kinds else how,
-                    wanted,
-                    route,
-                    missing=asked.missing,
                     with_allocation=allocate,
                     seed=settings.seed,
                     engine=engine,
@@ -195,18 +176,18 @@ def report(
         with speaking(language):
             document = report_document(
                 budget,
-                devices=loaded,
-                procedure=how,
+                devices=question.devices,
+                procedure=question.procedure,
                 evidence=evidence,
                 assessment=budget.assessment,
                 extras=extras,
                 command_line=command_line(context),
                 again=_again(
                     context,
-                    bare,
+                    loaded,
                     is_on_mission=carried is not None
                     and carried.assessment is not None,
-                    without=set() if how is of_mission else {"calibration"},
+                    without={"calibration"} if question.on_mission else set(),
                 ),
                 date=date,
                 number=number,
@@ -218,29 +199,35 @@ def report(
     hand_out(documents, pages=files)
 
 
-def _calibrations(
+def _asked(
+    devices: tuple[Device, ...],
     load: Callable[..., Procedure],
     calibration: str | None,
     procedure: Path | None,
     *,
-    mission: Mission | None,
     requirement: Requirement | None,
-) -> tuple[Procedure, Procedure]:
-    """Return the test whose budget it is, and what calibrated the unit for a mission.
+    mission: Mission | None,
+    **asked: Any,  # noqa: ANN401 - of Question.of
+) -> Question:
+    """Return the calibration whose budget it is, and what it leaves on the mission.
 
-    The first is the paper's test where the unit on the mission is as its maker
-    calibrated it, or as it was made: these have no budget of a calibration.
+    It is the paper's test where the unit on the mission is as its maker calibrated it,
+    or as it was made: these have no budget of a calibration.
     """
     from budget.inputs.records import UNCALIBRATED
-    from budget.inputs.use import in_use
-    from budget.question import needs_test
+    from budget.question import Question
 
     own = load(calibration, procedure, mission=mission, requirement=requirement)
-    own = in_use(own, requirement, mission)
-    if requirement is not None:
-        needs_test(requirement, own)
     is_tested = mission is None or own.formulas not in UNCALIBRATED
-    return (own if is_tested else load()), own
+    question = Question.of(
+        *devices,
+        procedure=own if is_tested else load(),
+        on_mission=own,
+        requirement=requirement,
+        mission=mission,
+        **asked,
+    )
+    return question if requirement is None else question.whole()
 
 
 def _again(
@@ -314,13 +301,9 @@ def _check_extras(
 
 
 def _extras(
-    devices: tuple[Device, ...],
+    question: Question,
     others: tuple[Device, ...],
-    procedure: Procedure,
-    requirement: Requirement | None,
-    mission: Mission | None,
     *,
-    missing: str,
     with_allocation: bool,
     seed: int,
     engine: Engine,
@@ -331,30 +314,24 @@ def _extras(
     from budget.report.allocation.page import allocation_section
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
-    from budget.studies.allocation.allocate import allocate
+    from budget.studies.allocation.allocate import allocate_as
     from budget.studies.comparison.compare import compare
 
+    requirement = question.requirement
     if requirement is None:
         return
-    limited = mission if MISSION in requirement.kinds else None
+    is_carried = MISSION in requirement.kinds
     if with_allocation:
-        allotted = allocate(
-            *devices,
-            requirement=requirement,
-            procedure=procedure,
-            mission=limited,
-            seed=seed,
-            progress=engine.progress,
-        )
+        allotted = allocate_as(question, seed=seed, progress=engine.progress)
         yield Extra.of("allocation", allotted, (allocation_section(allotted),))
     if others:
         compared = compare(
-            (*devices, *others),
+            (*(question.given or question.devices), *others),
             requirement,
-            [procedure],
-            mission=limited,
+            [(is_carried and question.on_mission) or question.procedure],
+            mission=question.mission if is_carried else None,
             catalogue=load_catalogue(),
-            missing=missing,
+            missing=question.filling.mode,
             seed=seed,
             workers=engine.workers,
             executor=engine.executor,

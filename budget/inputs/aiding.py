@@ -2,31 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 from math import log, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
-from pydantic_core import core_schema
 
 from budget.errors import UnitError
 from budget.inputs.fields import (
     KEY,
-    Checked,
     Measured,
-    OrText,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
     Strict,
     by_axis,
     fault,
-    faults,
     mapping_of,
+    or_one,
+    or_text,
     per_axis,
 )
-from budget.inputs.records import Aiding, Believed, OwnFilter
+from budget.inputs.records import Aiding, Believed, OwnFilter, joined
 from budget.inputs.tree import describe
 from budget.model.source import SENSORS
 from budget.model.sources import lines_of
@@ -35,10 +34,6 @@ from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
-
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic.json_schema import JsonSchemaValue
-    from pydantic_core import CoreSchema
 
 ZERO_VELOCITY = "zero_velocity"
 OPTIMAL, SELF = "optimal", "self"
@@ -54,6 +49,7 @@ SIZES = {
     "zero_velocity": "m/s",
     "odometer": "m/s",
 }
+VECTORS = ("gnss_position", "gnss_velocity", ZERO_VELOCITY)  # sizes by axis
 CORRELATION_TIME = "correlation_time"
 # Beyond these nothing is known: the earth's quarter, no speed that can be, half a turn.
 MOST_UNKNOWN = {
@@ -68,61 +64,7 @@ Time = Annotated[Quantity, Measured("s", bare=True)]
 Rate = Annotated[Quantity, Measured("Hz", Sign.POSITIVE)]
 
 
-@dataclass(frozen=True)
-class OrWord:
-    """Beside the mapping it annotates, a word that stands for a whole one."""
-
-    words: tuple[str, ...]
-    example: str  # of a mapping
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-
-        def read(
-            value: object, mapping: core_schema.ValidatorFunctionWrapHandler
-        ) -> object:
-            if isinstance(value, dict):
-                return mapping(value)
-            if value in self.words:
-                return value
-            raise fault(
-                f"found {describe(value)}, expected {' or '.join(self.words)}, or a "
-                f"mapping such as {self.example}"
-            )
-
-        return core_schema.no_info_wrap_validator_function(read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Describe either."""
-        return {"anyOf": [{"enum": [*self.words]}, handler(schema["schema"])]}
-
-
-class OrOne:
-    """Beside the sequence it annotates, one of its words alone."""
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-
-        def read(value: object) -> object:
-            return (value,) if isinstance(value, str) else value
-
-        return core_schema.no_info_before_validator_function(read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Describe either."""
-        several = handler(schema["schema"])
-        return {"anyOf": [several["items"], several]}
-
-
-class AlignmentPart(Strict):
+class AlignmentPart(Ruled):
     """How well a mission knows where it begins, 1 sigma; what it does not say, all."""
 
     position: Annotated[Quantity, Measured("m")] | None = Field(
@@ -148,20 +90,14 @@ class AlignmentPart(Strict):
             )
         return value
 
-    @model_validator(mode="after")
-    def _check_sizes(self) -> Self:
-        messages: dict[tuple[str | int, ...], str] = {
-            (
-                key,
-            ): f"found {one.printed!r}, expected {most.printed} at the most, which "
-            "is to know nothing of it"
+    def _faults(self) -> dict[tuple[str, ...], str]:
+        """Return what is larger than to know nothing of it."""
+        return {
+            (key,): f"found {one.printed!r}, expected {most.printed} at the most, "
+            "which is to know nothing of it"
             for key, most in MOST_UNKNOWN.items()
-            if (one := getattr(self, key)) is not None
-            and one.value > most.value * (1.0 + _ROUNDING)
+            if (one := getattr(self, key)) and one.value > most.value * (1 + _ROUNDING)
         }
-        if messages:
-            raise faults(messages)
-        return self
 
     @property
     def start(self) -> tuple[float, ...]:
@@ -186,17 +122,17 @@ def _size(like: str, **more: Any) -> Any:  # noqa: ANN401
 
 _Position: Any = Annotated[
     _size("m", meaning=Literal["1 sigma", "CEP"]),
-    OrText(Measured("m", Sign.POSITIVE)),
+    or_text(Measured("m", Sign.POSITIVE)),
 ]
-_Velocity: Any = Annotated[_size("m/s"), OrText(Measured("m/s", Sign.POSITIVE))]
+_Velocity: Any = Annotated[_size("m/s"), or_text(Measured("m/s", Sign.POSITIVE))]
 _ByAxis: Any = per_axis("m/s", AXES, Sign.POSITIVE)
 _Drift: Any = Annotated[
     _size("m", correlation_time=Annotated[Quantity, Measured("s", Sign.POSITIVE)]),
-    OrText(Measured("m", Sign.POSITIVE), besides="correlation_time: 60 s"),
+    or_text(Measured("m", Sign.POSITIVE), besides="correlation_time: 60 s"),
 ]
 
 
-class Spanned(Checked):
+class Spanned(Ruled):
     """Something that is there for a while."""
 
     during: tuple[tuple[Time, Time], ...] | None = Field(
@@ -204,36 +140,35 @@ class Spanned(Checked):
         description="beside a trajectory: begins and ends of when it is there",
     )
 
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "during",
+            lambda it: it.during == (),
+            "names no time, expected such as [[0 s, 600 s]]",
+        ),
+    )
+
     def _faults(self) -> dict[tuple[str | int, ...], str]:
-        """Return what is wrong with it."""
-        if self.during is None:
-            return {}
-        found: dict[tuple[str | int, ...], str] = {}
-        if not self.during:
-            found["during",] = "names no time, expected such as [[0 s, 600 s]]"
-        for place, (begin, end) in enumerate(self.during):
-            if end.value <= begin.value:
-                found["during", place] = (
-                    f"ends at {end.printed}, and begins at {begin.printed}; expected "
-                    "an end after its begin"
-                )
-        for place, (one, after) in enumerate(pairwise(self.during), start=1):
-            if after[0].value < one[1].value:
-                found["during", place] = (
-                    f"begins at {after[0].printed}, before the one before ends at "
-                    f"{one[1].printed}; expected spans one after the other"
-                )
-        return found
+        """Return which spans are none, or not apart."""
+        spans = self.during or ()
+        ends: dict[tuple[str | int, ...], str] = {
+            ("during", place): f"ends at {end.printed}, and begins at {begin.printed}; "
+            "expected an end after its begin"
+            for place, (begin, end) in enumerate(spans)
+            if end.value <= begin.value
+        }
+        return ends | {
+            ("during", place): f"begins at {after.printed}, before the one before ends "
+            f"at {end.printed}; expected spans one after the other"
+            for place, ((_, end), (after, _)) in enumerate(pairwise(spans), start=1)
+            if after.value < end.value
+        }
 
 
 class AidPart(Spanned):
     """Something that is measured at a rate."""
 
     rate: Rate = Field(description="of its epochs, k/rate from the mission's start")
-
-    def measured(self) -> dict[str, tuple[float, ...]]:
-        """Return sizes by the name of the source [SI]."""
-        raise NotImplementedError
 
 
 class GnssPart(AidPart):
@@ -245,32 +180,33 @@ class GnssPart(AidPart):
         default=None, description="an error of the position that fades (Gauss-Markov)"
     )
 
-    def _faults(self) -> dict[tuple[str | int, ...], str]:
-        """Return what is wrong with it."""
-        found = super()._faults()
-        if self.position is None and self.velocity is None:
-            found["position",] = (
-                "has neither position nor velocity; expected one at least, such as "
-                "'position: 2.5 m'"
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "position_drift",
+            lambda it: it.position_drift and it.position_drift.correlation_time is None,
+            "says no correlation_time, expected such as {{value: 2.5 m, "
+            "correlation_time: 60 s}}",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: getattr(getattr(it, key), "value", 0) is None,
+                "says no value, expected such as {{value: 2.5 m}}",
             )
-        elif self.position is None and self.position_drift is not None:
-            found["position_drift",] = "is of a position, which is not there; add it"
-        for key in ("position", "velocity", "position_drift"):
-            one = getattr(self, key)
-            if isinstance(one, Strict) and getattr(one, "value", None) is None:
-                found[key,] = "says no value, expected such as {value: 2.5 m}"
-        drift = self.position_drift
-        if drift is not None and drift.correlation_time is None:
-            found["position_drift",] = (
-                "says no correlation_time, expected such as {value: 2.5 m, "
-                "correlation_time: 60 s}"
-            )
-        return found
-
-    def measured(self) -> dict[str, tuple[float, ...]]:
-        """Return sizes by the name of the source [SI]."""
-        given = {"gnss_position": self.position, "gnss_velocity": self.velocity}
-        return {key: _by_axis(one) for key, one in given.items() if one is not None}
+            for key in ("position", "velocity", "position_drift")
+        ),
+        Rule(
+            "position",
+            lambda it: it.position is None and it.velocity is None,
+            "has neither position nor velocity; expected one at least, such as "
+            "'position: 2.5 m'",
+        ),
+        Rule(
+            "position_drift",
+            lambda it: it.position_drift and it.velocity and it.position is None,
+            "is of a position, which is not there; add it",
+        ),
+    )
 
 
 class HeadingPart(AidPart):
@@ -279,10 +215,6 @@ class HeadingPart(AidPart):
     value: Annotated[Quantity, Measured("deg", Sign.POSITIVE)] = Field(
         description="1 sigma, white by epoch"
     )
-
-    def measured(self) -> dict[str, tuple[float, ...]]:
-        """Return sizes by the name of the source [SI]."""
-        return {"heading": (self.value.value,)}
 
 
 class ZeroVelocityPart(AidPart):
@@ -293,10 +225,6 @@ class ZeroVelocityPart(AidPart):
     )
     axes: _ByAxis | None = Field(default=None, description="those that differ")
 
-    def measured(self) -> dict[str, tuple[float, ...]]:
-        """Return sizes by the name of the source [SI]."""
-        return {"zero_velocity": _by_axis(self)}
-
 
 class OdometerPart(AidPart):
     """A forward speed, as of wheels, in body axes."""
@@ -304,10 +232,6 @@ class OdometerPart(AidPart):
     value: Annotated[Quantity, Measured("m/s", Sign.POSITIVE)] = Field(
         description="1 sigma, white by epoch"
     )
-
-    def measured(self) -> dict[str, tuple[float, ...]]:
-        """Return sizes by the name of the source [SI]."""
-        return {"odometer": (self.value.value,)}
 
 
 class AidingPart(Strict):
@@ -333,28 +257,37 @@ class AidingPart(Strict):
     ) -> tuple[Aiding, ...]:
         """Return all that is measured, by when each aid is there [s]."""
         drift = None if self.gnss is None else self.gnss.position_drift
+        fades: dict[str, Any] = {}
+        if drift:
+            time = drift.correlation_time.value
+            fades = {"drift": _by_axis(drift), "correlation_time": time}
         return tuple(
             Aiding(
                 name=name,
-                u=u,
+                u=_by_axis(given) if name in VECTORS else (given.value.value,),
                 rate=part.rate.value,
                 spans=joined(spans[key]),
-                drift=_by_axis(drift) if drift and name == "gnss_position" else (),
-                correlation_time=drift.correlation_time.value
-                if drift and name == "gnss_position"
-                else 0.0,
+                **(fades if name == "gnss_position" else {}),
             )
             for key, part in self.given.items()
-            for name, u in part.measured().items()
+            for name, given in _sizes_of(key, part)
+            if given is not None
         )
 
 
+def _sizes_of(key: str, part: Any) -> tuple[tuple[str, Any], ...]:  # noqa: ANN401
+    """Return what an aid measures, by the name of the source, and how well."""
+    if key != "gnss":
+        return ((key, part),)
+    return (("gnss_position", part.position), ("gnss_velocity", part.velocity))
+
+
 Aids = Annotated[
-    tuple[Literal["gnss", "heading", "zero_velocity", "odometer"], ...], OrOne()
+    tuple[Literal["gnss", "heading", "zero_velocity", "odometer"], ...], or_one()
 ]
 
 
-class FilterPart(Strict):
+class FilterPart(Ruled):
     """A filter of its own: what it estimates, and what it believes otherwise."""
 
     estimates: tuple[ShortText, ...] | None = Field(
@@ -367,24 +300,22 @@ class FilterPart(Strict):
         "writes them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",
     )
 
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        parameters = estimable()
-        messages: dict[tuple[str | int, ...], str] = {
+    def _faults(self) -> dict[tuple[str | int, ...], str]:
+        """Return what is none of its states, and no line that it could believe."""
+        states: dict[tuple[str | int, ...], str] = {
             ("estimates", place): f"found {name!r}, expected one of "
-            f"{', '.join(parameters)}"
+            f"{', '.join(estimable())}"
             for place, name in enumerate(self.estimates or ())
-            if name not in parameters
+            if name not in estimable()
         }
+        found = {**states}
         for name, text in (self.believes or {}).items():
             try:
                 _believed(name, text)
             except UnitError as error:
                 on_key = () if name in _lines() else (KEY,)
-                messages["believes", name, *on_key] = str(error)
-        if messages:
-            raise faults(messages)
-        return self
+                found["believes", name, *on_key] = str(error)
+        return found
 
     @property
     def own(self) -> OwnFilter:
@@ -455,17 +386,6 @@ def _believed(key: str, text: str) -> Believed:
         axis="" if is_time else inside,
         is_time=is_time,
     )
-
-
-def joined(spans: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return spans of which none begins where the one before ends."""
-    found: list[tuple[float, float]] = []
-    for begin, end in spans:
-        if found and begin <= found[-1][1] * (1.0 + _ROUNDING):
-            found[-1] = (found[-1][0], end)
-        else:
-            found.append((begin, end))
-    return tuple(found)
 
 
 def _by_axis(given: Any) -> tuple[float, ...]:  # noqa: ANN401 - a type made on the way

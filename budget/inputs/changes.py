@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 # new value is meant likewise.
 _OF_THE_OLD = {"source", "condition", "includes"}
 _SIZES = {"value", "axes"}
-_NOMINAL = {"bias": AXES, "mounting_angle": ANGLES}
+NOMINAL = {"bias": AXES, "mounting_angle": ANGLES}
 _ABSENT = "not given"
 EXACT = "exact"  # meaning of a 0 that is meant, and no line that nobody gives
 RANGE = "range"  # of a triad: it stands beside the sensors in a file
@@ -163,7 +163,7 @@ def read_change(text: str) -> Override:
         place, where, known = RANGE, (RANGE, sensor), {RANGE: AXES}
     address = Name(line, owner=sensor)
     if place == "nominal":
-        address, known = Name(place, owner=sensor, axis=line), _NOMINAL
+        address, known = Name(place, owner=sensor, axis=line), NOMINAL
     label = f"--set {path.strip()}"
     node, issues = compose(value.strip(), label, path=".".join((*where, *inside)))
     if issues:

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 from pydantic_core import core_schema
 
 from budget.inputs.aiding import Spanned, Time
-from budget.inputs.fields import Checked, Later, Measured, Sign, Strict, fault
+from budget.inputs.fields import (
+    Later,
+    Measured,
+    Rule,
+    Ruled,
+    Sign,
+    Strict,
+    fault,
+    not_rising,
+)
 from budget.model.course import Fading, Profile, Stretches
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
-    from pydantic import GetCoreSchemaHandler
+    from pydantic import GetCoreSchemaHandler, ValidationInfo
     from pydantic_core import CoreSchema
 
     from budget.inputs.records import ErrorLine
@@ -25,14 +33,22 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 1000  # of a profile
 _ROUNDING = 1e-9  # of a time, relative
-Reading = Annotated[Quantity, Measured("degC", Sign.ANY)]
+Temperature = Annotated[Quantity, Measured("degC", Sign.ANY)]
 Level = Annotated[Quantity, Measured("g")]
 EXAMPLE = "{reference: 25 degC, profile: [[0 s, 20 degC], [600 s, 45 degC]]}"
 Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
+_SHOWN = EXAMPLE.replace("{", "{{").replace("}", "}}")
+_LACKS = (
+    f"stands without %s, expected such as {_SHOWN}; reference is the temperature of "
+    "the calibration"
+)
+_TWICE = (
+    "stands beside warm_up, which ends at that of the calibration; remove one of them"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class KnownCourse:
     """A course, and how it is shown."""
 
     course: Course
@@ -43,7 +59,7 @@ class Known:
 class WarmUpPart(Strict):
     """T - T0 = -by exp(-t/time), T0 the temperature of the test."""
 
-    by: Reading = Field(
+    by: Temperature = Field(
         description="how far it is below that of the calibration at the start"
     )
     time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] = Field(
@@ -51,13 +67,13 @@ class WarmUpPart(Strict):
     )
 
 
-class TemperaturePart(Checked):
+class TemperaturePart(Ruled):
     """A temperature that is known at every time, in place of how far it may be off."""
 
-    reference: Reading | None = Field(
+    reference: Temperature | None = Field(
         default=None, description="beside a profile: the temperature of the calibration"
     )
-    profile: tuple[tuple[Time, Reading], ...] | None = Field(
+    profile: tuple[tuple[Time, Temperature], ...] | None = Field(
         default=None,
         max_length=MOST_POINTS,
         description="points of time from the mission's start and temperature, linear "
@@ -68,39 +84,41 @@ class TemperaturePart(Checked):
         description="in place of a profile: it comes to that of the calibration",
     )
 
+    rules: ClassVar[tuple[Rule, ...]] = (
+        *(
+            Rule(key, lambda it, key=key: it.warm_up and getattr(it, key), _TWICE)
+            for key in ("reference", "profile")
+        ),
+        Rule(
+            "reference",
+            lambda it: it.profile is None and not it.warm_up,
+            _LACKS % "profile",
+        ),
+        Rule(
+            "profile",
+            lambda it: it.reference is None and not it.warm_up,
+            _LACKS % "reference",
+        ),
+        Rule(
+            "profile",
+            lambda it: it.profile is not None and not it.profile[1:],
+            f"names fewer points than two, expected such as {_SHOWN}",
+        ),
+    )
+
     def _faults(self) -> Faults:
-        """Return what is wrong with it."""
-        if self.warm_up is not None:
-            others = (key for key in ("reference", "profile") if getattr(self, key))
-            text = "stands beside warm_up, which ends at that of the calibration"
-            return {(key,): f"{text}; remove one of them" for key in others}
-        if self.profile is None or self.reference is None:
-            lacks = "profile" if self.profile is None else "reference"
-            given = "reference" if self.profile is None else "profile"
-            return {
-                (given,): f"stands without {lacks}, expected such as {EXAMPLE}; "
-                "reference is the temperature of the calibration"
-            }
-        points = self.profile
-        found: Faults = {}
-        if len(points) < 2:  # noqa: PLR2004 - a line has two ends
-            found["profile",] = (
-                f"names fewer points than two, expected such as {EXAMPLE}"
-            )
-        for place, ((one, _), (after, _)) in enumerate(pairwise(points), start=1):
-            if after.value <= one.value:
-                found["profile", place] = (
-                    f"is at {after.printed} after {one.printed}, expected times that "
-                    "rise"
-                )
-        for place, (_, one) in enumerate(points):
-            if one.unit != self.reference.unit:
-                found["profile", place] = (
-                    f"found {one.printed!r} beside a reference of "
-                    f"{self.reference.printed!r}, expected the same unit in both: "
-                    "their zeros differ"
-                )
-        return found
+        """Return what is wrong with the points of a profile."""
+        if self.profile is None or self.reference is None or self.warm_up:
+            return {}
+        rise = "is at {after} after {one}, expected times that rise"
+        units = {
+            ("profile", place): f"found {one.printed!r} beside a reference of "
+            f"{self.reference.printed!r}, expected the same unit in both: their zeros "
+            "differ"
+            for place, (_, one) in enumerate(self.profile)
+            if one.unit != self.reference.unit
+        }
+        return not_rising([time for time, _ in self.profile], "profile", rise) | units
 
     def late(self, end: float) -> Faults:
         """Return what is said of times after the mission's end [s]."""
@@ -119,11 +137,11 @@ class TemperaturePart(Checked):
         )
 
     @property
-    def known(self) -> Known:
+    def known(self) -> KnownCourse:
         """The course as a record."""
         if self.warm_up is not None:
             by, time = self.warm_up.by, self.warm_up.time
-            return Known(
+            return KnownCourse(
                 course=Fading(by=by.value, time=time.value),
                 printed=f"{-by.value:.6g} degC to 0 degC",
                 unit="degC",
@@ -135,7 +153,7 @@ class TemperaturePart(Checked):
             values=tuple(value.value - zero for value in values),
         )
         ends = (f"{end(found.values):.6g} degC" for end in (min, max))
-        return Known(
+        return KnownCourse(
             course=found, printed=" to ".join(dict.fromkeys(ends)), unit="degC"
         )
 
@@ -148,7 +166,7 @@ class VibrationPart(Spanned):
 
 def stretches(
     spans: Iterable[tuple[float, float, Quantity]], rest: ErrorLine, end: float
-) -> Known:
+) -> KnownCourse:
     """Return the course of vibrations in spans that are apart, to an end [s]."""
     elsewhere = (float(rest.u[0]), rest.printed, rest.unit)
     begins, sizes, last = [0.0], [elsewhere], 0.0
@@ -161,7 +179,7 @@ def stretches(
     if begins[-1] >= end * (1.0 - _ROUNDING):
         del begins[-1], sizes[-1]
     (_, low, _), (_, high, unit) = min(sizes), max(sizes)
-    return Known(
+    return KnownCourse(
         course=Stretches(tuple(begins), tuple(value for value, *_ in sizes)),
         printed=" to ".join(dict.fromkeys((low, high))),
         unit=unit,
@@ -170,7 +188,7 @@ def stretches(
 
 @dataclass(frozen=True)
 class SizeOrCourse:
-    """Beside a value it annotates: a size, or a course in its place."""
+    """A size, or a course in its place."""
 
     size: Any  # type of it
     course: Any  # likewise
@@ -178,16 +196,11 @@ class SizeOrCourse:
 
     def read(
         self,
-        value: object,
-        size: core_schema.ValidatorFunctionWrapHandler,
-        info: core_schema.ValidationInfo,
+        value: Any,  # noqa: ANN401
+        size: Callable[[object], object],
+        info: ValidationInfo,
     ) -> object:
         """Return either; what is wrong with it has its place in it."""
-        is_course = (
-            isinstance(value, dict) and bool({*self.keys} & value.keys())
-            if self.keys
-            else isinstance(value, list | tuple)
-        )
         if self.keys and str(value).lstrip().startswith("-"):
             raise fault(
                 f"found {value!r}, expected the size of the difference from the test, "
@@ -195,19 +208,21 @@ class SizeOrCourse:
                 "and 'profile', as in {reference: 25 degC, profile: [[0 s, -20 degC], "
                 "[60 s, -20 degC]]}"
             )
-        return (
-            Later(lambda: self.course).read(value, info) if is_course else size(value)
-        )
+        is_list = isinstance(value, list | tuple)
+        if (isinstance(value, dict) and value.keys() & self.keys) or (
+            is_list and not self.keys
+        ):
+            return Later(lambda: self.course).read(value, info)
+        return size(value)
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         """Tell pydantic how to read either, and how to describe both."""
         size = handler.generate_schema(self.size)
+        both = [size, handler.generate_schema(self.course)]
         return core_schema.json_or_python_schema(
-            json_schema=core_schema.union_schema(
-                [size, handler.generate_schema(self.course)]
-            ),
+            json_schema=core_schema.union_schema(both),  # type: ignore[arg-type]
             python_schema=core_schema.with_info_wrap_validator_function(
                 self.read, size
             ),

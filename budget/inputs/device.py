@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, create_model
 
 from budget.errors import UnitError
-from budget.inputs.changes import apply, tell_changes
+from budget.inputs.changes import NOMINAL, apply, tell_changes
 from budget.inputs.checking import check, nearest
 from budget.inputs.fields import (
     Later,
     LongText,
     Measured,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
     Strict,
     by_axis,
-    faults,
     mapping_of,
     per_axis,
 )
@@ -41,7 +42,7 @@ from budget.inputs.specification import (
     time_in,
     value_type,
 )
-from budget.inputs.tree import all_of, describe, merge
+from budget.inputs.tree import all_of, describe, merge, put
 from budget.model.sources import (
     ACCELEROMETER,
     GYRO,
@@ -61,13 +62,23 @@ if TYPE_CHECKING:
 
     from budget.inputs.changes import Override
     from budget.inputs.makers import Density
-    from budget.inputs.ranges import RangeValue
+    from budget.inputs.specification import ReadValue
     from budget.inputs.tree import Node, YamlFile
     from budget.model.source import Source
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
+PLAUSIBLE = " to ".join(map(str, PLAUSIBLE_GRAVITY))
+
+
+def _is_plausible(gravity: float) -> bool:
+    """Say whether a maker may mean that by g [m/s^2]."""
+    low, high = PLAUSIBLE_GRAVITY
+    return low <= gravity <= high
+
+
 MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
+TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "notes")
 
 
 class UnusedEntry(Strict):
@@ -80,7 +91,7 @@ class UnusedEntry(Strict):
     source: ShortText = ""
 
 
-class SensorPart(Strict):
+class SensorPart(Ruled):
     """One triad of gyros or accelerometers."""
 
     nominal: Strict | None = Field(
@@ -90,19 +101,40 @@ class SensorPart(Strict):
         default=None, description="the lines of the data sheet"
     )
 
-    @model_validator(mode="after")
-    def _check_noise(self) -> Self:
-        flicker = getattr(self.errors, "flicker", None)
-        stable = getattr(self.errors, "bias_stability", None)
-        if flicker and stable and not getattr(flicker, "adds_to", None):
-            message = (
-                "stands beside bias_stability: the bias instability that a maker "
-                "prints, given as flicker and as a Gauss-Markov process, would be "
-                "counted twice; expected one of them. Remove one, or, where they are "
-                "two noises, write {value: ..., adds_to: bias_stability}"
-            )
-            raise faults({("errors", "flicker"): message})
-        found = {
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            ("errors", "flicker"),
+            lambda it: it.counts("flicker") and it.line("bias_stability"),
+            "stands beside bias_stability: the bias instability that a maker prints, "
+            "given as flicker and as a Gauss-Markov process, would be counted twice; "
+            "expected one of them. Remove one, or, where they are two noises, write "
+            "{{value: ..., adds_to: bias_stability}}",
+        ),
+        Rule(
+            ("errors", SAMPLE_NOISE),
+            lambda it: it.counts(SAMPLE_NOISE) and it.walk,
+            "stands beside {walk}: white noise, given by the sample and as a random "
+            "walk, would be counted twice; expected one of them. Remove one, or, where "
+            "they are two noises, write {{value: ..., adds_to: {walk}}}",
+        ),
+    )
+
+    def line(self, key: str) -> Any:  # noqa: ANN401 - a type made on the way
+        """Return what the file gives of a line, or None."""
+        return getattr(self.errors, key, None)
+
+    def counts(self, key: str) -> bool:
+        """Whether a line is given, and not as what adds to another."""
+        return bool(self.line(key)) and not getattr(self.line(key), "adds_to", None)
+
+    @property
+    def walk(self) -> str:
+        """The random walk that is given, or ''."""
+        return next((n for n in WHITE if n != SAMPLE_NOISE and self.line(n)), "")
+
+    def _faults(self) -> dict[tuple[str, ...], str]:
+        """Return what time or temperature do that would be counted twice."""
+        found: dict[tuple[str, ...], str] = {
             ("errors", ageing): (
                 f"stands beside {repeated}, which is given over {over.printed} and so "
                 "contains what that time does: it would be counted twice; expected "
@@ -111,60 +143,33 @@ class SensorPart(Strict):
             )
             for parameter, ageing in AGEING.items()
             for repeated in [f"{parameter}_repeatability"]
-            if (given := getattr(self.errors, ageing, None))
-            and not given.adds_to
-            and (over := time_in(getattr(self.errors, repeated, None))) is not None
+            if self.counts(ageing)
+            and (over := time_in(self.line(repeated))) is not None
         }
-        if found:
-            raise faults(found)
-        noise = getattr(self.errors, SAMPLE_NOISE, None)
-        walk = next(
-            (n for n in WHITE if n != SAMPLE_NOISE and getattr(self.errors, n, None)),
-            "",
-        )
-        if noise is None or not walk or getattr(noise, "adds_to", None):
-            return self
-        message = (
-            f"stands beside {walk}: white noise, given by the sample and as a random "
-            "walk, would be counted twice; expected one of them. Remove one, or, where "
-            "they are two noises, write {value: ..., adds_to: " + walk + "}"
-        )
-        raise faults({("errors", SAMPLE_NOISE): message})
-
-    @model_validator(mode="after")
-    def _check_temperature(self) -> Self:
-        found: dict[tuple[str, ...], str] = {}
-        for one in (one for one in SOURCES if one.left_of):
-            residual = one.name
-            given = [key for key in one.left_of if getattr(self.errors, key, None)]
+        for row in (row for row in SOURCES if row.left_of):
+            residual = row.name
             elsewhere = [
-                line.name
-                for line in SOURCES
-                if line.over_temperature == residual
-                and OVER_TEMPERATURE
-                in getattr(getattr(self.errors, line.name, None), "reading", ())
+                one.name
+                for one in SOURCES
+                if one.over_temperature == residual
+                and OVER_TEMPERATURE in getattr(self.line(one.name), "reading", ())
             ]
-            given += elsewhere[1:]
-            if elsewhere and (given or getattr(self.errors, residual, None)):
-                beside = [
-                    *given,
-                    *([residual] if getattr(self.errors, residual, None) else []),
-                ]
+            given = [*(key for key in row.left_of if self.line(key)), *elsewhere[1:]]
+            beside = [*given, *([residual] if self.line(residual) else [])]
+            if elsewhere and beside:
                 found["errors", elsewhere[0], "reading"] = (
                     f"may be {OVER_TEMPERATURE}, and so is {' and so is '.join(beside)}"
                     ": it would be counted twice; expected one of them. Remove that "
                     "word, or the other specification"
                 )
-            elif given and getattr(self.errors, residual, None):
+            elif given and self.line(residual):
                 found["errors", residual] = (
                     f"stands beside {' and '.join(given)}: the residual over "
                     "temperature and what a temperature changes are one effect, and "
                     "would be counted twice; expected one of them. Remove the "
                     "coefficient, where the maker compensates it, or the residual"
                 )
-        if found:
-            raise faults(found)
-        return self
+        return found
 
 
 def _later(line: Source, sensor: str) -> Any:  # noqa: ANN401
@@ -197,7 +202,7 @@ def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # 
     return create_model(sensor, __base__=SensorPart, **types)
 
 
-class Sheet(Strict):
+class Sheet(Ruled):
     """What a device file says, and what a variant may override."""
 
     name: ShortText | None = None
@@ -222,15 +227,13 @@ class Sheet(Strict):
         default=(), description="specification values that no model uses, as text"
     )
 
-    @model_validator(mode="after")
-    def _check_gravity(self) -> Self:
-        low, high = PLAUSIBLE_GRAVITY
-        if self.gravity_unit and not low <= self.gravity_unit.value <= high:
-            message = (
-                f"found {self.gravity_unit.printed!r}, expected {low} to {high} m/s^2"
-            )
-            raise faults({("gravity_unit",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "gravity_unit",
+            lambda it: it.gravity_unit and not _is_plausible(it.gravity_unit.value),
+            f"found {{gravity_unit!r}}, expected {PLAUSIBLE} m/s^2",
+        ),
+    )
 
 
 class Base(Sheet):
@@ -243,31 +246,35 @@ class Base(Sheet):
         default={}, description="overrides by name, chosen as FILE#NAME"
     )
 
-    @model_validator(mode="after")
-    def _check_sensors(self) -> Self:
-        if self.model_fields_set.isdisjoint(SENSORS):
-            raise faults({(): "has no sensor, expected gyro, accelerometer or both"})
-        return self
-
-    @model_validator(mode="after")
-    def _check_ranges(self) -> Self:
-        found = {}
-        for kind in SENSORS:
-            part = getattr(self, kind)
-            if getattr(self.range, kind, None) is None:
-                continue
-            if part is None:
-                found["range", kind] = (
-                    f"is of {kind}, and the file has none; remove it, or put it under "
-                    "figures, as what is printed and not budgeted"
-                )
-            elif getattr(part, "range", None) is not None:
-                found["range", kind] = (
-                    f"stands under {kind}, too; expected one of them, remove the other"
-                )
-        if found:
-            raise faults(found)
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            (),
+            lambda it: it.model_fields_set.isdisjoint(SENSORS),
+            "has no sensor, expected gyro, accelerometer or both",
+        ),
+        *(
+            Rule(
+                ("range", kind),
+                lambda it, kind=kind: (
+                    getattr(it.range, kind, None) and getattr(it, kind) is None
+                ),
+                f"is of {kind}, and the file has none; remove it, or put it under "
+                "figures, as what is printed and not budgeted",
+            )
+            for kind in SENSORS
+        ),
+        *(
+            Rule(
+                ("range", kind),
+                lambda it, kind=kind: (
+                    getattr(it.range, kind, None)
+                    and getattr(getattr(it, kind), "range", None)
+                ),
+                f"stands under {kind}, too; expected one of them, remove the other",
+            )
+            for kind in SENSORS
+        ),
+    )
 
 
 def _file_type(type_of: Callable[[Source, str], Any]) -> type[Base]:
@@ -298,7 +305,7 @@ def variant_names(document: YamlFile) -> tuple[str, ...]:
         return ("", *names)
     if not names:
         message = "an abstract base has no variants, expected one at least"
-        raise all_of([*document.issues, document.issue(document.root, message)])
+        raise document.refuse((document.root, message))
     return names
 
 
@@ -321,44 +328,33 @@ def read_device(
     sheet = check(document, device_file_type(), root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
     name = f"{name}{CHANGED}" if changed else name
-    parts: dict[str, SensorPart | None] = {
-        kind: getattr(sheet, kind) for kind in SENSORS
-    }
-    read = {
-        kind: _with_range(
-            _read_sensor(
-                kind,
-                name,
-                part,
-                gravity=_gravity(root),
-                density=density_of(sheet.vendor),
-            ),
-            getattr(part, "range", None) or getattr(sheet.range, kind, None),
+    sensors: dict[str, Sensor] = {}
+    assumptions = [one.said for one in changed]
+    for kind in SENSORS:
+        part: SensorPart | None = getattr(sheet, kind)
+        if part is None:
+            continue
+        own = getattr(part, "range", None) or getattr(sheet.range, kind, None)
+        sensors[kind], said = _read_sensor(kind, part, density_of(sheet.vendor))
+        sensors[kind] = replace(
+            sensors[kind],
+            device=name,
+            gravity_unit=_gravity(root),
+            **({} if own is None else vars(read_range(own))),
         )
-        for kind, part in parts.items()
-        if part is not None
-    }
+        assumptions += said
     return Device(
         name=name,
-        gyro=read[GYRO].sensor if GYRO in read else None,
-        accelerometer=read[ACCELEROMETER].sensor if ACCELEROMETER in read else None,
+        gyro=sensors.get(GYRO),
+        accelerometer=sensors.get(ACCELEROMETER),
         figures=tuple(UnusedValue(**vars(entry)) for entry in sheet.figures),
-        assumptions=(
-            *(one.said for one in changed),
-            *(text for one in read.values() for text in one.assumptions),
-        ),
+        assumptions=tuple(assumptions),
         origin=Origin(
             file=f"{document.base_name}#{variant}" if variant else document.base_name,
             sha256=document.sha256,
             changes=changed,
         ),
-        source=sheet.source,
-        vendor=sheet.vendor,
-        technology=sheet.technology,
-        price=sheet.price,
-        mass=sheet.mass,
-        power=sheet.power,
-        notes=sheet.notes,
+        **{key: getattr(sheet, key) for key in TEXTS},
     )
 
 
@@ -369,25 +365,34 @@ def _variants(document: YamlFile) -> dict[str, Node]:
         return {}
     if not isinstance(node.value, dict):
         message = f"found {describe(node.value)}, expected a mapping of variants"
-        raise all_of([*document.issues, document.issue(node, message)])
-    issues = []
-    if len(node.value) > MOST_VARIANTS:
-        message = f"found {len(node.value)} variants, {MOST_VARIANTS} are allowed"
-        raise all_of([*document.issues, document.issue(node, message, on_key=True)])
-    for name, over in node.value.items():
-        if not name.isprintable() or "#" in name:
-            message = f"found {describe(name)}, expected a name without '#' on one line"
-            issues.append(document.issue(over, message, on_key=True))
-        if not isinstance(over.value, dict):
-            message = f"found {describe(over.value)}, expected a mapping of overrides"
-            issues.append(document.issue(over, message))
-            continue
-        issues.extend(
-            document.issue(over.value[key], "belongs to the base only", on_key=True)
-            for key in _BASE_ONLY
-            if key in over.value
+        raise document.refuse((node, message))
+    number = len(node.value)
+    if number > MOST_VARIANTS:
+        message = f"found {number} variants, {MOST_VARIANTS} are allowed"
+        raise document.refuse((node, message), on_key=True)
+    unnamed = [
+        document.issue(
+            over,
+            f"found {describe(name)}, expected a name without '#' on one line",
+            on_key=True,
         )
-    if issues:
+        for name, over in node.value.items()
+        if not name.isprintable() or "#" in name
+    ]
+    unkeyed = [
+        document.issue(
+            over, f"found {describe(over.value)}, expected a mapping of overrides"
+        )
+        for over in node.value.values()
+        if not isinstance(over.value, dict)
+    ]
+    not_theirs = [
+        document.issue(own, "belongs to the base only", on_key=True)
+        for over in node.value.values()
+        for key in _BASE_ONLY
+        if (own := over.child(key)) is not None
+    ]
+    if issues := [*unnamed, *unkeyed, *not_theirs]:
         raise all_of([*document.issues, *issues])
     return node.value
 
@@ -401,8 +406,7 @@ def root_of(document: YamlFile, variant: str) -> Node:
         There is no such variant, or the base only serves its variants.
     """
     root = document.root
-    keys = root.value if isinstance(root.value, dict) else {}
-    base = replace(root, value={k: v for k, v in keys.items() if k != "variants"})
+    base = put(root, ("variants",), None)
     if not variant and not _is_abstract(root):
         return base
     overrides = _variants(document)
@@ -413,8 +417,7 @@ def root_of(document: YamlFile, variant: str) -> Node:
     if not variant:
         message = f"the base is abstract, choose a variant: {names}"
     message += nearest(variant, tuple(overrides))
-    node = root.child("variants") or root
-    raise all_of([*document.issues, document.issue(node, message, on_key=True)])
+    raise document.refuse((root.child("variants") or root, message), on_key=True)
 
 
 def _is_abstract(root: Node) -> bool:
@@ -430,87 +433,57 @@ def _gravity(root: Node) -> float:
         own = parse_quantity(node.written, "m/s^2").value if node else STANDARD_GRAVITY
     except UnitError:
         return STANDARD_GRAVITY
-    low, high = PLAUSIBLE_GRAVITY
-    return own if low <= own <= high else STANDARD_GRAVITY
-
-
-@dataclass(frozen=True, kw_only=True)
-class _ReadSensor:
-    """A sensor as the models take it, and what had to be assumed for that."""
-
-    sensor: Sensor
-    assumptions: tuple[str, ...]
+    return own if _is_plausible(own) else STANDARD_GRAVITY
 
 
 def _read_sensor(
-    kind: str,
-    device: str,
-    part: SensorPart,
-    *,
-    gravity: float,
-    density: Density | None,
-) -> _ReadSensor:
-    """Turn one sensor of a file into its record."""
-    values = {line: getattr(part.errors, line.name, None) for line in lines_of(kind)}
-    every = [
-        (
-            read_value(line, kind, value, known=density),
-            getattr(value, "is_exact", False),
+    kind: str, part: SensorPart, density: Density | None
+) -> tuple[Sensor, list[str]]:
+    """Turn one sensor of a file into its record, and what had to be assumed for it."""
+    given: list[ReadValue] = []
+    nothing: list[ReadValue] = []
+    for line in lines_of(kind):
+        if value := part.line(line.name):
+            one = read_value(line, kind, value, known=density)
             # What a verdict asks for of every axis is given where no axis has a 0.
-            bool(line.expected) or line.is_asked,
-        )
-        for line, value in values.items()
-        if value
-    ]
-    given = [
-        is_exact or bool(one.line.u.all() if of_all else one.line.u.any())
-        for one, is_exact, of_all in every
-    ]
-    read = [one for (one, *_), is_given in zip(every, given, strict=True) if is_given]
-    bias = _nominal(part, "bias", AXES)
-    angle = _nominal(part, "mounting_angle", ANGLES)
-    assumptions = [text for one in read for text in one.assumptions]
-    assumptions += [
-        sentence(
-            "assumed.nothing",
-            key=Name(one.line.name, owner=kind),
-            value=one.line.printed,
-        )
-        for (one, *_), is_given in zip(every, given, strict=True)
-        if not is_given
-    ]
-    for key, named, axes in (("bias", bias, AXES), ("mounting_angle", angle, ANGLES)):
-        absent = [axis for axis in axes if axis not in named]
-        if absent:
-            assumptions.append(
-                sentence(
-                    "assumed.nominal",
-                    key=f"{kind}.nominal.{key}",
-                    axes=absent if named else [],
-                )
-            )
-    return _ReadSensor(
-        sensor=Sensor(
-            kind=kind,
-            device=device,
-            nominal_bias=np.array([bias.get(axis, 0.0) for axis in AXES]),
-            nominal_mounting_angle=np.array([angle.get(axis, 0.0) for axis in ANGLES]),
-            lines=(),
-            not_given=(),
-            expected_missing=(),
-            gravity_unit=gravity,
-        ).with_lines(one.line for one in read),
-        assumptions=tuple(assumptions),
+            of_all = bool(line.expected) or line.is_asked
+            is_given = one.line.u.all() if of_all else one.line.u.any()
+            is_exact = getattr(value, "is_exact", False)
+            (given if is_exact or is_given else nothing).append(one)
+    nominal = {key: _nominal(part, key, axes) for key, axes in NOMINAL.items()}
+    bias, angle = (
+        np.array([nominal[key].get(axis, 0.0) for axis in axes])
+        for key, axes in NOMINAL.items()
     )
-
-
-def _with_range(read: _ReadSensor, given: Quantity | RangeValue | None) -> _ReadSensor:
-    """Return a sensor with its range, where the file gives it."""
-    if given is None:
-        return read
-    found = read_range(given)
-    sensor = replace(read.sensor, range=found.values, range_printed=found.printed)
-    return replace(read, sensor=sensor)
+    sensor = Sensor(
+        kind=kind,
+        device="",
+        nominal_bias=bias,
+        nominal_mounting_angle=angle,
+        lines=(),
+        not_given=(),
+        expected_missing=(),
+    ).with_lines(one.line for one in given)
+    return sensor, [
+        *(text for one in given for text in one.assumptions),
+        *(
+            sentence(
+                "assumed.nothing",
+                key=Name(one.line.name, owner=kind),
+                value=one.line.printed,
+            )
+            for one in nothing
+        ),
+        *(
+            sentence(
+                "assumed.nominal",
+                key=f"{kind}.nominal.{key}",
+                axes=absent if nominal[key] else [],
+            )
+            for key, axes in NOMINAL.items()
+            if (absent := [axis for axis in axes if axis not in nominal[key]])
+        ),
+    ]
 
 
 def _nominal(part: SensorPart, key: str, axes: tuple[str, ...]) -> dict[str, float]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from abc import abstractmethod
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, cast
 
 from pydantic import (
     AfterValidator,
@@ -31,9 +31,9 @@ from budget.inputs.tree import describe
 from budget.units import NUMBER, STANDARD_GRAVITY, Quantity, kind_of, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
     from pydantic.json_schema import JsonSchemaValue
 
 
@@ -71,18 +71,131 @@ def faults(messages: Mapping[Path, str]) -> ValidationError:
     )
 
 
-class Checked(Strict):
+@dataclass(frozen=True)
+class Rule:
+    """What parts of a mapping do not go together, and what is said then.
+
+    Attributes
+    ----------
+    at : str or tuple
+        The key, or the way to it, that it is said of.
+    wrong : callable
+        Whether a mapping breaks it.
+    says : str
+        With '{key}' for what the mapping has under a key, as its file prints it.
+    """
+
+    at: str | tuple[str | int, ...]
+    wrong: Callable[..., object]  # of a mapping alone
+    says: str
+
+    @property
+    def way(self) -> tuple[str | int, ...]:
+        """The way to what it is said of."""
+        return (self.at,) if isinstance(self.at, str) else self.at
+
+    def found(self, mapping: BaseModel) -> str:
+        """Return what is said of a mapping that breaks it."""
+        return self.says.format_map(_Printed(mapping))
+
+
+class _Printed(dict[str, object]):
+    """What a mapping has under its keys, as its file prints it."""
+
+    def __init__(self, mapping: BaseModel) -> None:
+        self.mapping = mapping
+
+    def __missing__(self, key: str) -> object:
+        value = getattr(self.mapping, key)
+        return getattr(value, "printed", value)
+
+
+class Ruled(Strict):
     """A mapping whose parts have to go together."""
 
+    rules: ClassVar[tuple[Rule, ...]] = ()  # of one key the first that is broken counts
+
     @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if messages := self._faults():
-            raise faults(messages)
+    def _check_rules(self) -> Self:
+        broken = [rule for rule in self._rules() if rule.wrong(self)]
+        found = {rule.way: rule.found(self) for rule in broken} | self._faults()
+        if found:
+            raise faults(found)
         return self
 
-    @abstractmethod
-    def _faults(self) -> Mapping[Any, str]:
-        """Return what is wrong with it, by its path in the mapping."""
+    def _rules(self) -> tuple[Rule, ...]:
+        """Return the rules of its type, those that count most at the end."""
+        return _rules_of(type(self))
+
+    def _faults(self) -> dict[Any, str]:
+        """Return what is wrong with it besides, by its path in the mapping."""
+        return {}
+
+
+@cache
+def _rules_of(kind: type[Ruled]) -> tuple[Rule, ...]:
+    """Return the rules of a type before them those of the types it is made of."""
+    every = [vars(one).get("rules", ()) for one in kind.__mro__]
+    return tuple(rule for rules in every for rule in rules)[::-1]
+
+
+class Group(Ruled):
+    """Beside a line that may be repeated, a group of lines that is, as a whole."""
+
+    key: ClassVar[str]  # of the lines of a group
+    of_all: ClassVar[tuple[str, ...]] = ()  # keys that a group says of all its lines
+    if TYPE_CHECKING:
+        repeat: int
+
+    @property
+    def is_group(self) -> bool:
+        """Whether it is no line by itself."""
+        return getattr(self, self.key) is not None
+
+    @property
+    def lines(self) -> tuple[Any, ...]:
+        """The lines of a group; itself where it is none."""
+        own: tuple[Any, ...] | None = getattr(self, self.key)
+        return (self,) if own is None else own
+
+    def _rules(self) -> tuple[Rule, ...]:
+        """Return the rules of a line, where it is one."""
+        return () if self.is_group else super()._rules()
+
+    def _faults(self) -> dict[Any, str]:
+        """Return what is wrong with a group."""
+        if not self.is_group:
+            return super()._faults()
+        others = self.model_fields_set - {self.key, "repeat", *self.of_all}
+        found: dict[Any, str] = {
+            (key,): f"stands beside a group of {self.key}; say it in its lines"
+            for key in sorted(others)
+        }
+        none = f"names no {self.key.removesuffix('s')}, expected one at least"
+        return found if self.lines else {**found, (self.key,): none}
+
+    @property
+    def number(self) -> int:
+        """How many it stands for."""
+        if not self.is_group:
+            return cast("int", super().number)  # type: ignore[misc]
+        number: int = sum(line.number for line in self.lines)
+        return self.repeat * number
+
+
+def not_rising(
+    values: Sequence[Quantity], at: str, says: str, *, least: float = 1.0
+) -> dict[Any, str]:
+    """Return where values do not rise, by their places from the second on.
+
+    `says` has the words for the later one {after} and the one before it {one}; each has
+    to be more than `least` times that.
+    """
+    return {
+        (at, place): says.format(one=one.printed, after=after.printed)
+        for place, (one, after) in enumerate(pairwise(values), start=1)
+        if after.value <= one.value * least
+    }
 
 
 class Sign(Enum):
@@ -156,75 +269,108 @@ class Measured:
         return self.json_schema
 
 
-@dataclass(frozen=True)
-class Synonyms:
-    """Beside the words that a text may be, other spellings of them."""
+@dataclass(frozen=True, eq=False)
+class Or:
+    """Beside the type that it annotates, what a file may write in its place.
 
-    meant: Mapping[str, str]  # by the other spelling
-
-    def __hash__(self) -> int:
-        """Return one number for all: types are kept by what they are made of."""
-        return hash(tuple(self.meant))
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either spelling."""
-
-        def read(value: object) -> object:
-            return self.meant.get(value, value) if isinstance(value, str) else value
-
-        return core_schema.no_info_before_validator_function(read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe all spellings; of one word that is enough."""
-        words = handler(schema)
-        own = words.get("enum")
-        return {**words, "enum": [*own, *self.meant]} if own else words
-
-
-@dataclass(frozen=True)
-class OrText:
-    """Beside the mapping it annotates, a text that says one quantity for all of it.
-
-    Where it has to say more besides, the text is read to say what is wrong with it.
+    Attributes
+    ----------
+    read : callable
+        Of a value, of what reads the type, and of what is known of the file.
+    describe : callable
+        JSON Schema of either, of that of the type.
     """
 
-    measured: Measured
-    besides: str = ""
+    read: Callable[[Any, Callable[[object], object], ValidationInfo], object]
+    describe: Callable[[JsonSchemaValue], JsonSchemaValue]
 
     def __get_pydantic_core_schema__(
         self, source: object, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         """Tell pydantic how to read either."""
-
-        def read(
-            value: object,
-            mapping: core_schema.ValidatorFunctionWrapHandler,
-            info: core_schema.ValidationInfo,
-        ) -> object:
-            if isinstance(value, dict):
-                return mapping(value)
-            found = self.measured.read(value, info)
-            if self.besides:
-                raise fault(
-                    f"found {describe(value)} alone, expected more beside the value: "
-                    f"{{value: {value}, {self.besides}}}"
-                )
-            return found
-
-        return core_schema.with_info_wrap_validator_function(read, handler(source))
+        return core_schema.with_info_wrap_validator_function(self.read, handler(source))
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> JsonSchemaValue:
         """Tell pydantic how to describe either."""
-        mapping = handler(schema["schema"])
-        if self.besides:
-            return mapping
-        return {"anyOf": [self.measured.json_schema, mapping]}
+        inner: Any = schema
+        return self.describe(handler(inner["schema"]))
+
+
+def either(*schemas: JsonSchemaValue) -> JsonSchemaValue:
+    """Return the JSON Schema of any of several."""
+    return {"anyOf": [*schemas]}
+
+
+def synonyms(meant: Mapping[str, str]) -> Or:
+    """Allow, beside the words that a text may be, other spellings of them."""
+    return Or(
+        lambda value, word, _: word(
+            meant.get(value, value) if isinstance(value, str) else value
+        ),
+        # Of one word the schema is enough.
+        lambda words: (
+            {**words, "enum": [*words["enum"], *meant]} if "enum" in words else words
+        ),
+    )
+
+
+def or_text(measured: Measured, besides: str = "") -> Or:
+    """Allow, beside a mapping, a text that says one quantity for all of it.
+
+    Where it has to say more besides, the text is read to say what is wrong with it.
+    """
+
+    def read(value: Any, mapping: Callable[[object], object], info: Any) -> object:  # noqa: ANN401
+        if isinstance(value, dict):
+            return mapping(value)
+        found = measured.read(value, info)
+        if besides:
+            raise fault(
+                f"found {describe(value)} alone, expected more beside the value: "
+                f"{{value: {value}, {besides}}}"
+            )
+        return found
+
+    return Or(
+        read,
+        lambda schema: schema if besides else either(measured.json_schema, schema),
+    )
+
+
+def or_word(words: tuple[str, ...], example: str) -> Or:
+    """Allow, beside a mapping, a word that stands for a whole one."""
+
+    def read(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+        if isinstance(value, dict):
+            return mapping(value)
+        if value in words:
+            return value
+        raise fault(
+            f"found {describe(value)}, expected {' or '.join(words)}, or a mapping "
+            f"such as {example}"
+        )
+
+    return Or(read, lambda schema: either({"enum": [*words]}, schema))
+
+
+def or_one(key: str = "", besides: str = "") -> Or:
+    """Allow, beside a sequence, one of its items alone.
+
+    Where items are mappings, a text in its place is shown as the value of that key,
+    with what an item has to say more.
+    """
+
+    def read(value: Any, items: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+        if key and isinstance(value, str | int | float) and not isinstance(value, bool):
+            raise fault(
+                f"found {describe(value)} alone, expected more beside the value: "
+                f"{{{key}: {value}, {besides}}}"
+            )
+        return items((value,) if isinstance(value, dict if key else str) else value)
+
+    return Or(read, lambda schema: either(schema["items"], schema))
 
 
 @dataclass(frozen=True)
@@ -276,41 +422,7 @@ def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Any:  # noqa: ANN4
     """Return the type of one quantity for all axes, or of a mapping of axes."""
     measured = Measured(like, sign)
     fields = dict.fromkeys(axes, Annotated[Quantity, measured])
-    return Annotated[mapping_of(f"by axis in {like}", fields), OrText(measured)]
-
-
-@dataclass(frozen=True)
-class OneOrMore:
-    """Beside the sequence it annotates, one of its items alone.
-
-    A text in its place is shown as the value of the key of an item, with what an item
-    has to say more.
-    """
-
-    key: str
-    besides: str
-
-    def read(self, value: object) -> object:
-        """Return the sequence that a value means."""
-        if isinstance(value, str | int | float) and not isinstance(value, bool):
-            raise fault(
-                f"found {describe(value)} alone, expected more beside the value: "
-                f"{{{self.key}: {value}, {self.besides}}}"
-            )
-        return (value,) if isinstance(value, dict) else value
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-        return core_schema.no_info_before_validator_function(self.read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Describe either."""
-        several = handler(schema)
-        return {"anyOf": [several["items"], several]}
+    return Annotated[mapping_of(f"by axis in {like}", fields), or_text(measured)]
 
 
 def by_axis(value: Quantity | Strict, axes: tuple[str, ...]) -> dict[str, Quantity]:

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import atan, ceil, degrees, floor, pi, remainder
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -22,11 +22,21 @@ from budget.inputs.aiding import (
     Aids,
     AlignmentPart,
     FilterPart,
-    OrWord,
 )
 from budget.inputs.checking import check
 from budget.inputs.course import Level, TemperaturePart, VibrationPart, stretches
-from budget.inputs.fields import Checked, Measured, ShortText, Sign, Strict, faults
+from budget.inputs.fields import (
+    Group,
+    Measured,
+    Rule,
+    Ruled,
+    ShortText,
+    Sign,
+    Strict,
+    faults,
+    not_rising,
+    or_word,
+)
 from budget.inputs.files import exists, unshown
 from budget.inputs.procedure import MOST_HEIGHT
 from budget.inputs.records import Mission, Origin
@@ -37,7 +47,7 @@ from budget.inputs.trajectory import (
     MOST_SPEED,
     read_trajectory,
 )
-from budget.inputs.tree import all_of, describe
+from budget.inputs.tree import describe
 from budget.inputs.use import (
     AGE_FIELD,
     ON_THE_WAY_FIELD,
@@ -52,12 +62,13 @@ from budget.sentences import sentence
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from pydantic import GetJsonSchemaHandler
     from pydantic.json_schema import JsonSchemaValue
     from pydantic_core import CoreSchema, core_schema
 
+    from budget.inputs.aiding import AidPart
     from budget.inputs.trajectory import Recorded
     from budget.inputs.tree import YamlFile
 
@@ -88,6 +99,16 @@ PLACED = ("latitude", "longitude", "height", "speed", "heading", "segments")
 START = ("speed", "heading")  # what a mission and its first straight may say
 MEANWHILE = ("aiding", "vibration")  # what a group says of all its segments
 NEEDED = {"turn": "3 deg/s", "climb": "5 m/s", "accelerate": "100 m/s"}
+TOO_FAST = f"expected {MOST_SPEED / 1e3:g} km/s at the most"
+MOVING = (  # of what moves and would align itself
+    "is by the unit itself, and the mission begins at {speed} m/s; level and north are "
+    "found standing: begin with a stand, or align it perfectly"
+)
+
+
+def _beyond(angle: Quantity | None, most: float) -> bool:
+    """Say whether an angle, if there is one, is larger than the most [rad]."""
+    return angle is not None and abs(angle.value) > most * (1.0 + _ROUNDING)
 
 
 @dataclass(frozen=True)
@@ -115,7 +136,7 @@ Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
 Count = Annotated[int, Field(ge=1, le=MOST_SEGMENTS)]
 
 
-class SegmentLine(Checked):
+class SegmentLine(Ruled):
     """What a level vehicle does for a while."""
 
     stand: Span | None = Field(default=None, description="how long it stands still")
@@ -159,59 +180,100 @@ class SegmentLine(Checked):
         default=None, description="meanwhile, rms; elsewhere that of environment"
     )
 
-    def _faults(self) -> Faults:
-        """Return what is wrong with it."""
-        given = [key for key in MOVES if getattr(self, key) is not None]
-        if not given:
-            words = ", ".join(MOVES)
-            return {
-                ("stand",): f"says not what the vehicle does, expected one of {words}, "
-                "such as 'stand: 60 s'"
-            }
-        own, *others = given
-        found: Faults = {
-            (key,): f"stands beside {own}, and a segment is one thing; give each a "
-            "segment of its own"
-            for key in others
-        }
-        for key in ("speed", "heading", "rate", "bank", "roll_rate", "to"):
-            if getattr(self, key) is not None and key not in MOVES[own]:
-                owners = " or ".join(
-                    move for move, keys in MOVES.items() if key in keys
-                )
-                found[key,] = f"is of {owners}, and this is {own}; remove it"
-                if key in START:
-                    found[key,] += (
-                        f"; for the {key} at the start put it under mission.{key}"
-                    )
-        for key in ("speed", "to", "rate"):
-            one = getattr(self, key)
-            if one is not None and abs(one.value) > MOST_SPEED and own != "turn":
-                found.setdefault((key,), _too_fast(one.printed))
-        if own in NEEDED and getattr(self, MOVES[own][0]) is None:
-            key = MOVES[own][0]
-            found[own,] = f"stands without {key}, expected '{key}: {NEEDED[own]}' there"
-        found = {**self._bank_faults(), **found}
-        if not found and not SHORTEST <= self.length <= LONGEST * (1.0 + _ROUNDING):
-            found[own,] = f"takes {self.length:.6g} s, expected {SHORTEST:g} s to 24 h"
-        return found
-
-    def _bank_faults(self) -> Faults:
-        """Return what is wrong with its bank and its rolls."""
-        if self.bank == COORDINATED and self.roll_rate is None:
-            text = "stands without roll_rate, expected 'roll_rate: 20 deg/s' there"
-            return {("bank",): text}
-        if self.bank != COORDINATED and self.roll_rate is not None:
-            text = (
-                "is of 'bank: coordinated', which is not there; add it, or remove this"
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "stand",
+            lambda it: not it.moves,
+            f"says not what the vehicle does, expected one of {', '.join(MOVES)}, such "
+            "as 'stand: 60 s'",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: key in it.moves[1:],
+                "stands beside {move}, and a segment is one thing; give each a segment "
+                "of its own",
             )
-            return {("roll_rate",): text}
-        return {}
+            for key in MOVES
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: (
+                    it.moves
+                    and getattr(it, key) is not None
+                    and key not in MOVES[it.move]
+                ),
+                f"is of {owners}, and this is {{move}}; remove it{more}",
+            )
+            for key, owners, more in (
+                (
+                    key,
+                    " or ".join(move for move, keys in MOVES.items() if key in keys),
+                    f"; for the {key} at the start put it under mission.{key}"
+                    if key in START
+                    else "",
+                )
+                for key in ("speed", "heading", "rate", "bank", "roll_rate", "to")
+            )
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: (
+                    it.moves
+                    and it.move != "turn"
+                    and (one := getattr(it, key))
+                    and abs(one.value) > MOST_SPEED
+                ),
+                f"found {{{key}!r}}, {TOO_FAST}",
+            )
+            for key in ("speed", "to", "rate")
+        ),
+        *(
+            Rule(
+                move,
+                lambda it, move=move, key=MOVES[move][0]: (
+                    it.move == move and getattr(it, key) is None
+                ),
+                f"stands without {MOVES[move][0]}, expected '{MOVES[move][0]}: "
+                f"{value}' there",
+            )
+            for move, value in NEEDED.items()
+        ),
+        Rule(
+            "bank",
+            lambda it: it.moves and it.bank == COORDINATED and it.roll_rate is None,
+            "stands without roll_rate, expected 'roll_rate: 20 deg/s' there",
+        ),
+        Rule(
+            "roll_rate",
+            lambda it: it.moves and it.bank != COORDINATED and it.roll_rate,
+            "is of 'bank: coordinated', which is not there; add it, or remove this",
+        ),
+        *(
+            Rule(
+                move,
+                lambda it, move=move: (
+                    it.moves == [move]
+                    and (move != "turn" or it.rate)
+                    and not SHORTEST <= it.length <= LONGEST * (1.0 + _ROUNDING)
+                ),
+                f"takes {{length:.6g}} s, expected {SHORTEST:g} s to 24 h",
+            )
+            for move in MOVES
+        ),
+    )
+
+    @property
+    def moves(self) -> list[str]:
+        """What it is said to be: 'stand', 'turn', ...; one thing, if it is sound."""
+        return [key for key in MOVES if getattr(self, key) is not None]
 
     @property
     def move(self) -> str:
-        """What it is: 'stand', 'turn', ..."""
-        return next(key for key in MOVES if getattr(self, key) is not None)
+        """What it is."""
+        return next(iter(self.moves), "")
 
     @property
     def length(self) -> float:
@@ -266,40 +328,25 @@ class SegmentLine(Checked):
             yield (), self
 
 
-class SegmentItem(SegmentLine):
+class SegmentItem(Group, SegmentLine):
     """A segment, or a group of segments that is repeated as a whole."""
 
+    key: ClassVar = "segments"
+    of_all: ClassVar = MEANWHILE
     segments: tuple[SegmentLine, ...] | None = Field(
         default=None, description="a group; repeat beside it is of the whole"
     )
 
     def _faults(self) -> Faults:
-        """Return what is wrong with it."""
-        if self.segments is None:
-            return super()._faults()
-        found: Faults = {
-            (key,): "stands beside a group of segments; say it in its lines"
-            for key in sorted(
-                self.model_fields_set - {"segments", "repeat", *MEANWHILE}
-            )
-        }
-        found |= {
+        """Return what is wrong with a group, and what its segments say again."""
+        again = {
             ("segments", place, key): "stands in a group that says it; remove one of "
             "them"
             for key in self.meanwhile
-            for place, line in enumerate(self.segments)
+            for place, line in enumerate(self.segments or ())
             if getattr(line, key) is not None
         }
-        if not self.segments:
-            found["segments",] = "names no segment, expected one at least"
-        return found
-
-    @property
-    def number(self) -> int:
-        """How many segments it stands for."""
-        lines = (self,) if self.segments is None else self.segments
-        times = 1 if self.segments is None else self.repeat
-        return times * sum(line.repeat for line in lines)
+        return {**super()._faults(), **again}
 
     def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
         """Yield each segment with its place in this item, those of a repetition too."""
@@ -322,14 +369,14 @@ class SegmentItem(SegmentLine):
 
 ALIGNMENT: Any = Annotated[
     AlignmentPart,
-    OrWord(words=(PERFECT, SELF), example="{position: 10 m, heading: 5 deg}"),
+    or_word((PERFECT, SELF), example="{position: 10 m, heading: 5 deg}"),
 ]
 FILTER: Any = Annotated[
-    FilterPart, OrWord(words=(OPTIMAL,), example="{estimates: [gyro.bias]}")
+    FilterPart, or_word((OPTIMAL,), example="{estimates: [gyro.bias]}")
 ]
 
 
-class MissionPart(Strict):
+class MissionPart(Ruled):
     """Where the unit is when it navigates by itself, and how that begins."""
 
     latitude: Angle | None = Field(default=None, description="geodetic, of the start")
@@ -386,111 +433,131 @@ class MissionPart(Strict):
         "s, 600 s, 3600 s that lie within, and the end",
     )
 
+    rules: ClassVar[tuple[Rule, ...]] = (
+        *(
+            Rule(
+                key,
+                lambda it, key=key: it.trajectory and getattr(it, key) is not None,
+                "stands beside a trajectory, which says it; remove one of them",
+            )
+            for key in PLACED
+        ),
+        Rule(
+            "segments",
+            lambda it: not it.trajectory and it.segments is None,
+            "says not what the vehicle does, expected segments, such as 'segments: "
+            "[{{stand: 3600 s}}]', or a trajectory",
+        ),
+        Rule(
+            "segments",
+            lambda it: it.segments == (),
+            "names no segment, expected one at least",
+        ),
+        Rule(
+            "latitude",
+            lambda it: not it.trajectory and it.latitude is None,
+            "says not where it begins, expected such as 'latitude: 45 deg'",
+        ),
+        Rule(
+            "latitude",
+            lambda it: _beyond(it.latitude, MOST_LATITUDE * (1.0 - 2.0 * _ROUNDING)),
+            "found {latitude!r}, expected between -89.9 deg and 89.9 deg; at a pole "
+            "north is no direction",
+        ),
+        Rule(
+            "longitude",
+            lambda it: _beyond(it.longitude, 2.0 * pi),
+            "found {longitude!r}, expected -360 deg to 360 deg",
+        ),
+        Rule(
+            "height",
+            lambda it: it.height and abs(it.height.value) > MOST_HEIGHT,
+            f"found {{height!r}}, expected {-MOST_HEIGHT / 1e3:g} km to "
+            f"{MOST_HEIGHT / 1e3:g} km",
+        ),
+        Rule(
+            "speed",
+            lambda it: it.speed and it.speed.value > MOST_SPEED,
+            f"found {{speed!r}}, {TOO_FAST}",
+        ),
+        Rule(
+            "alignment_time",
+            lambda it: it.alignment_time and it.alignment != SELF,
+            "is of 'alignment: self', which is not there; add it, or remove this",
+        ),
+        Rule(
+            "alignment",
+            lambda it: it.alignment == SELF and it.start.speed > 0.0,
+            MOVING.format(speed="{start.speed:.6g}"),
+        ),
+        Rule(
+            "alignment",
+            lambda it: it.alignment == SELF and it.alignment_time is None,
+            "stands without alignment_time, expected that beside it, as "
+            "'alignment_time: 300 s'",
+        ),
+        Rule(
+            "alignment_time",
+            lambda it: (
+                it.alignment_time
+                and not 1.0 <= it.alignment_time.value <= LONGEST * (1.0 + _ROUNDING)
+            ),
+            "found {alignment_time!r}, expected 1 s to 24 h",
+        ),
+        Rule(
+            "at",
+            lambda it: it.at is not None and not 1 <= len(it.at) <= MOST_TIMES,
+            f"names {{number_of_times}} times, expected 1 to {MOST_TIMES}",
+        ),
+        Rule(
+            "filter",
+            lambda it: it.filter is not None and it.aiding is None,
+            "is of a mission with aiding, which is not there; add it, or remove this",
+        ),
+    )
+
+    @property
+    def number_of_times(self) -> int:
+        """How many times are asked for."""
+        return len(self.at or ())
+
+    def _faults(self) -> Faults:
+        """Return which times that are asked for do not rise."""
+        says = "found {after!r} after {one!r}, expected times that rise"
+        times = self.at or ()
+        is_few = len(times) <= MOST_TIMES
+        return not_rising(times if is_few else (), "at", says, least=1.0 + _ROUNDING)
+
     @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        messages = {
-            **self._place_faults(),
-            **self._alignment_faults(),
-            **self._time_faults(),
-        }
-        if self.filter is not None and self.aiding is None:
-            messages["filter",] = (
-                "is of a mission with aiding, which is not there; add it, or remove "
-                "this"
-            )
-        if not messages and self.trajectory is None:
+    def _check_route(self) -> Self:
+        if self.trajectory is None:
             end = self.laid_out.duration
-            messages = {**self.late(end), **self.aiding_faults(end)}
-        if messages:
-            raise faults(messages)
+            if found := {**self.late(end), **self.aiding_faults(end)}:
+                raise faults(found)
         return self
-
-    def _place_faults(self) -> Faults:
-        """Return what is wrong with where it begins."""
-        found: Faults = {}
-        if self.trajectory is not None:
-            given = [key for key in PLACED if getattr(self, key) is not None]
-            text = "stands beside a trajectory, which says it; remove one of them"
-            return {(key,): text for key in given}
-        if self.segments is None:
-            found["segments",] = (
-                "says not what the vehicle does, expected segments, such as "
-                "'segments: [{stand: 3600 s}]', or a trajectory"
-            )
-        elif not self.segments:
-            found["segments",] = "names no segment, expected one at least"
-        if self.latitude is None:
-            found["latitude",] = (
-                "says not where it begins, expected such as 'latitude: 45 deg'"
-            )
-        elif abs(self.latitude.value) >= MOST_LATITUDE * (1.0 - _ROUNDING):
-            found["latitude",] = (
-                f"found {self.latitude.printed!r}, expected between -89.9 deg and 89.9 "
-                "deg; at a pole north is no direction"
-            )
-        if self.longitude and abs(self.longitude.value) > 2.0 * pi * (1.0 + _ROUNDING):
-            found["longitude",] = (
-                f"found {self.longitude.printed!r}, expected -360 deg to 360 deg"
-            )
-        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
-            found["height",] = (
-                f"found {self.height.printed!r}, expected {-MOST_HEIGHT / 1e3:g} km to "
-                f"{MOST_HEIGHT / 1e3:g} km"
-            )
-        if self.speed is not None and self.speed.value > MOST_SPEED:
-            found["speed",] = _too_fast(self.speed.printed)
-        return found
-
-    def _alignment_faults(self) -> Faults:
-        """Return what is wrong with how it is aligned."""
-        found: Faults = {}
-        if self.alignment != SELF:
-            if self.alignment_time is not None:
-                found["alignment_time",] = (
-                    "is of 'alignment: self', which is not there; add it, or remove "
-                    "this"
-                )
-            return found
-        if self.alignment_time is None:
-            found["alignment",] = (
-                "stands without alignment_time, expected that beside it, as "
-                "'alignment_time: 300 s'"
-            )
-        elif not 1.0 <= self.alignment_time.value <= LONGEST * (1.0 + _ROUNDING):
-            found["alignment_time",] = (
-                f"found {self.alignment_time.printed!r}, expected 1 s to 24 h"
-            )
-        if self.start.speed > 0.0:
-            found["alignment",] = _moving(self.start.speed)
-        return found
-
-    def _time_faults(self) -> Faults:
-        """Return what is wrong with the times that are asked for."""
-        if self.at is not None and not 1 <= len(self.at) <= MOST_TIMES:
-            return {("at",): f"names {len(self.at)} times, expected 1 to {MOST_TIMES}"}
-        return {
-            ("at", place): f"found {after.printed!r} after {one.printed!r}, expected "
-            "times that rise"
-            for place, (one, after) in enumerate(pairwise(self.at or ()), start=1)
-            if after.value <= one.value * (1.0 + _ROUNDING)
-        }
 
     def aiding_faults(self, end: float) -> Faults:
         """Return what is wrong with what is measured, and when, to the end [s]."""
         given = {} if self.aiding is None else self.aiding.given
-        found = self._misnamed(tuple(given))
         if self.aiding is not None and not given:
-            found["aiding",] = (
-                "names nothing that is measured, expected such as {gnss: {position: "
-                "2.5 m, rate: 1 Hz}}; or remove it"
-            )
-        for key, part in given.items():
-            for place, (_, last) in enumerate(part.during or ()):
-                if last.value > end * (1.0 + _ROUNDING):
-                    found["aiding", key, "during", place] = (
-                        f"ends at {last.printed}, and the mission ends at {end:.6g} s; "
-                        "expected spans within it"
-                    )
+            return {
+                ("aiding",): "names nothing that is measured, expected such as {gnss: "
+                "{position: 2.5 m, rate: 1 Hz}}; or remove it"
+            }
+        found = self._misnamed(given) | {
+            (
+                "aiding",
+                key,
+                "during",
+                place,
+            ): f"ends at {last.printed}, and the mission "
+            f"ends at {end:.6g} s; expected spans within it"
+            for key, part in given.items()
+            for place, (_, last) in enumerate(part.during or ())
+            if last.value > end * (1.0 + _ROUNDING)
+        }
+        if found:
+            return found
         numbers = {
             key: sum(
                 floor(b * part.rate.value + _ROUNDING)
@@ -499,53 +566,48 @@ class MissionPart(Strict):
             )
             for key, part in given.items()
         }
-        if not found and sum(numbers.values()) > MOST_EPOCHS:
-            found["aiding",] = (
-                f"has {sum(numbers.values()):.6g} epochs, expected {MOST_EPOCHS} at "
-                "the most; lower a rate"
-            )
-        idle = [key for key, number in numbers.items() if not (found or number)]
-        for key in idle:
-            found["aiding", key, "rate"] = (
-                f"found {given[key].rate.printed!r}, and no multiple of that period, "
-                "from the mission's start, is where segments or during name it; "
-                "expected a higher rate, or more time with it"
-            )
-        return found
+        number = sum(numbers.values())
+        if number > MOST_EPOCHS:
+            text = f"has {number:.6g} epochs, expected {MOST_EPOCHS} at the most"
+            return {("aiding",): f"{text}; lower a rate"}
+        return {
+            ("aiding", key, "rate"): f"found {given[key].rate.printed!r}, and no "
+            "multiple of that period, from the mission's start, is where segments or "
+            "during name it; expected a higher rate, or more time with it"
+            for key, number in numbers.items()
+            if not number
+        }
 
-    def _misnamed(self, given: tuple[str, ...]) -> Faults:
+    def _misnamed(self, given: Mapping[str, AidPart]) -> Faults:
         """Return what is wrong with where these aids are named."""
-        found: Faults = {}
-        named: set[str] = set()
-        for place, item in enumerate(self.segments or ()):
-            for inside, line in item.each():
-                way = inside if item.aiding is None else ()
-                own = ("segments", place, *way, "aiding")
-                for key in line.aiding or ():
-                    named.add(key)
-                    if key not in given:
-                        found[own] = (
-                            f"names {key}, which mission.aiding does not have; add it "
-                            "there, or remove this"
-                        )
-                    elif key == ZERO_VELOCITY and line.stand is None:
-                        found[own] = (
-                            "names zero_velocity, and the vehicle moves; that is of a "
-                            "stand alone"
-                        )
-        for one in given:
-            has_times = getattr(self.aiding, one).during is not None
-            if self.trajectory is None and has_times:
-                found["aiding", one, "during"] = (
+        named = [
+            (("segments", place, *(inside if item.aiding is None else ())), key, line)
+            for place, item in enumerate(self.segments or ())
+            for inside, line in item.each()
+            for key in line.aiding or ()
+        ]
+        found: Faults = {
+            (*at, "aiding"): "names zero_velocity, and the vehicle moves; that is of a "
+            "stand alone"
+            if key in given
+            else f"names {key}, which mission.aiding does not have; add it there, or "
+            "remove this"
+            for at, key, line in named
+            if key not in given or (key == ZERO_VELOCITY and line.stand is None)
+        }
+        used = {key for _, key, _ in named}
+        for key, part in given.items():
+            if self.trajectory is None and part.during is not None:
+                found["aiding", key, "during"] = (
                     "is of a trajectory; here segments say 'aiding: [...]': remove it"
                 )
-            elif self.trajectory is None and one not in named:
-                found["aiding", one] = (
-                    f"is used nowhere; name it in segments, as 'aiding: [{one}]', or "
+            elif self.trajectory is None and key not in used:
+                found["aiding", key] = (
+                    f"is used nowhere; name it in segments, as 'aiding: [{key}]', or "
                     "remove it"
                 )
-            elif self.trajectory is not None and not has_times:
-                found["aiding", one] = (
+            elif self.trajectory is not None and part.during is None:
+                found["aiding", key] = (
                     "says not when it is there, expected such as 'during: [[0 s, 600 "
                     "s]]' beside a trajectory"
                 )
@@ -555,15 +617,17 @@ class MissionPart(Strict):
     def spans(self) -> dict[str, list[tuple[float, float]]]:
         """When each aid is there [s]."""
         given = {} if self.aiding is None else self.aiding.given
-        found: dict[str, list[tuple[float, float]]] = {
-            key: [(a.value, b.value) for a, b in part.during or ()]
+        return {
+            key: [
+                *((a.value, b.value) for a, b in part.during or ()),
+                *(
+                    (begin, begin + line.length)
+                    for begin, _, line in self.timed
+                    if key in (line.aiding or ())
+                ),
+            ]
             for key, part in given.items()
         }
-        for begin, _, line in self.timed:
-            for key in line.aiding or ():
-                if key in found:
-                    found[key].append((begin, begin + line.length))
-        return found
 
     @property
     def timed(self) -> Iterator[tuple[float, tuple[str | int, ...], SegmentLine]]:
@@ -621,14 +685,16 @@ class MissionPart(Strict):
 
     def assumptions(self, end: float) -> tuple[str, ...]:
         """Return what a mission that ends then leaves open, and how it is taken."""
-        taken = {"alignment": PERFECT, "altitude": AIDED}
-        taken["at"] = ", ".join(f"{time:.12g} s" for time in self.times(end))
-        if self.first is not None:
-            taken["height"] = "0 m"
-            if not self.first.heading:
-                taken["heading"] = "0 deg"
-            if self.first.move in NEEDED:
-                taken["speed"] = "0 m/s"
+        first = self.first
+        times = ", ".join(f"{time:.12g} s" for time in self.times(end))
+        taken = {
+            "alignment": PERFECT,
+            "altitude": AIDED,
+            "at": times,
+            **({"height": "0 m"} if first else {}),
+            **({"heading": "0 deg"} if first and not first.heading else {}),
+            **({"speed": "0 m/s"} if first and first.move in NEEDED else {}),
+        }
         return tuple(
             sentence("assumed.default", of="mission", name=key, usual=usual)
             for key, usual in taken.items()
@@ -666,69 +732,60 @@ class MissionFile(Strict):
         """Return what is wrong with temperature and vibration to the end [s]."""
         temperature = getattr(self.environment, "temperature", None)
         vibration = getattr(self.environment, "vibration", None)
-        found: Faults = {}
+        late: Faults = {}
         if isinstance(temperature, TemperaturePart):
             late = temperature.late(end)
-            found |= {("environment", "temperature", *x): y for x, y in late.items()}
-        if vibration is None:
-            found |= {
-                ("mission", "segments", *path, "vibration"): "is of a part of the way; "
-                "say that of the rest, such as 'environment: {vibration: 0 g}'"
-                for _, path, line in self.mission.timed
-                if line.vibration is not None
-            }
-        if isinstance(vibration, tuple):
-            found |= self._listed_faults(vibration, end)
-        return found
+        found = {("environment", "temperature", *at): text for at, text in late.items()}
+        if isinstance(vibration, tuple) and (text := self._misfit(vibration, end)):
+            found["environment", "vibration"] = text
+        return found | {
+            ("mission", "segments", *path, "vibration"): "is of a part of the way; say "
+            "that of the rest, such as 'environment: {vibration: 0 g}'"
+            for _, path, line in self.mission.timed
+            if line.vibration is not None and vibration is None
+        }
 
-    def _listed_faults(self, parts: tuple[VibrationPart, ...], end: float) -> Faults:
-        """Return what is wrong with a list of vibrations, to the end [s]."""
-        at = ("environment", "vibration")
+    def _misfit(self, parts: tuple[VibrationPart, ...], end: float) -> str:
+        """Return what is wrong with a list of vibrations, to the end [s]; or ''."""
         if self.mission.trajectory is None:
             text = "is a list, of a trajectory; here segments say 'vibration: 2 g'"
-            return {at: f"{text}, and this the rest, such as 'vibration: 1 g'"}
+            return f"{text}, and this the rest, such as 'vibration: 1 g'"
         if sum(part.during is None for part in parts) != 1:
-            return {
-                at: "expected one value without during, of the rest of the way, such "
-                "as [{value: 2 g, during: [[0 s, 60 s]]}, {value: 1 g}]"
-            }
+            return (
+                "expected one value without during, of the rest of the way, such as "
+                "[{value: 2 g, during: [[0 s, 60 s]]}, {value: 1 g}]"
+            )
         spans = sorted((begin, stop) for begin, stop, _ in self.vibrations)
-        for (_, stop), (begin, _) in pairwise([(0.0, 0.0), *spans, (end, end)]):
-            if begin < stop * (1.0 - _ROUNDING):
-                return {
-                    at: f"has a span to {stop:.6g} s, and the next, or the mission's "
-                    f"end, is at {begin:.6g} s; expected spans one after the other, "
-                    "within the mission"
-                }
-        return {}
+        apart = (
+            f"has a span to {stop:.6g} s, and the next, or the mission's end, is at "
+            f"{begin:.6g} s; expected spans one after the other, within the mission"
+            for (_, stop), (begin, _) in pairwise([(0.0, 0.0), *spans, (end, end)])
+            if begin < stop * (1.0 - _ROUNDING)
+        )
+        return next(apart, "")
 
     def stated(self, end: float) -> Stated:
         """Return what it states of its use, to the end [s]."""
-        own = self.environment
-        temperature = getattr(own, "temperature", None)
-        rest = getattr(own, "vibration", None)
+        temperature = getattr(self.environment, "temperature", None)
+        rest = getattr(self.environment, "vibration", None)
         if isinstance(temperature, TemperaturePart):
             temperature = temperature.known
         if isinstance(rest, tuple):
             rest = next(part.value for part in rest if part.during is None)
-        parts = self.vibrations
-        return Stated(
-            temperature=temperature,
-            vibration=stretches(parts, stated_line("vibration", rest), end)
-            if parts
-            else rest,
-        )
+        if self.vibrations:
+            rest = stretches(self.vibrations, stated_line("vibration", rest), end)
+        return Stated(temperature=temperature, vibration=rest)
 
     def assumptions(self, end: float) -> tuple[str, ...]:
         """Return how courses are taken where the file leaves it open."""
         temperature = getattr(self.environment, "temperature", None)
-        found = []
-        if isinstance(temperature, TemperaturePart) and temperature.is_short(end):
-            found.append(sentence("assumed.short_course"))
-        is_known = isinstance(temperature, TemperaturePart) or self.vibrations
-        if self.mission.alignment_time and is_known:
-            found.append(sentence("assumed.while_aligning"))
-        return tuple(found)
+        course = temperature if isinstance(temperature, TemperaturePart) else None
+        taken = {
+            "assumed.short_course": course and course.is_short(end),
+            "assumed.while_aligning": self.mission.alignment_time
+            and (course or self.vibrations),
+        }
+        return tuple(sentence(key) for key, is_taken in taken.items() if is_taken)
 
 
 def read_mission(document: YamlFile) -> Mission:
@@ -754,8 +811,7 @@ def read_mission(document: YamlFile) -> Mission:
         route = _track_of(recorded)
     end = route.duration
     if messages := model.course_faults(end):
-        places = ((document.root.nearest(at), text) for at, text in messages.items())
-        raise all_of(document.issue(node, text) for node, text in places)
+        raise document.refuse(*messages.items())
     return Mission(
         name=model.name or document.stem,
         route=route,
@@ -810,13 +866,13 @@ def _recorded(document: YamlFile, part: MissionPart) -> Recorded:
             f"found {describe(part.trajectory)}, and {str(path)!r} {what}; "
             "expected a CSV file, by its place from this file"
         )
-        raise all_of([document.issue(node, message)])
+        raise document.refuse((node, message))
     with unshown(path, "a CSV file of a trajectory", document, node):
         recorded = read_trajectory(path, str(path))
     end = float(recorded.time[-1])
     messages: Faults = {**part.late(end), **part.aiding_faults(end)}
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
-        messages["alignment",] = _moving(recorded.first_speed)
+        messages["alignment",] = MOVING.format(speed=f"{recorded.first_speed:.6g}")
     for begin, stop in part.spans.get(ZERO_VELOCITY, ()) if not messages else ():
         speed = _largest_speed(_track_of(recorded), begin, stop)
         if speed > LEAST_SPEED:
@@ -825,9 +881,8 @@ def _recorded(document: YamlFile, part: MissionPart) -> Recorded:
                 "s; expected times at which it stands"
             )
     if messages:
-        places = ((("mission", *steps), text) for steps, text in messages.items())
-        root = document.root
-        raise all_of(document.issue(root.nearest(at), text) for at, text in places)
+        at = ((("mission", *steps), text) for steps, text in messages.items())
+        raise document.refuse(*at)
     return recorded
 
 
@@ -922,40 +977,37 @@ def _led(here: Start, leg: Leg) -> tuple[Start, str]:
 
 def _faults_at(here: Start, line: SegmentLine) -> dict[str, str]:
     """Return what is wrong with a segment that begins there."""
-    found: dict[str, str] = {}
-    if line.stand is not None and here.speed > 0.0:
-        found["stand"] = (
-            f"stands still, and the vehicle is at {here.speed:.6g} m/s by then; "
-            "accelerate to 0 m/s first"
-        )
-    if line.straight is not None and line.speed is None and here.speed == 0.0:
-        found["straight"] = (
-            "goes on, and the vehicle stands by then; say its speed, accelerate "
-            "first, or let it stand"
-        )
-    if line.speed is not None:
-        off = line.speed.value - here.speed
-        if abs(off) > _SAME * max(1.0, here.speed):
-            found["speed"] = (
-                f"found {line.speed.printed!r}, and the vehicle is at {here.speed:.6g} "
-                "m/s by then; accelerate first"
-            )
-    if line.heading is not None:
-        off = remainder(line.heading.value - here.heading, 2.0 * pi)
-        if abs(off) > _SAME:
-            found["heading"] = (
-                f"found {line.heading.printed!r}, and the vehicle heads "
-                f"{degrees(here.heading) % 360.0:.6g} deg by then; turn first"
-            )
-    return found
-
-
-def _moving(speed: float) -> str:
-    """Say that what moves cannot align itself."""
-    return (
-        f"is by the unit itself, and the mission begins at {speed:.6g} m/s; level and "
-        "north are found standing: begin with a stand, or align it perfectly"
-    )
+    speed = here.speed if line.speed is None else line.speed.value
+    heading = here.heading if line.heading is None else line.heading.value
+    stands = here.speed == 0.0
+    is_off = abs(speed - here.speed) > _SAME * max(1.0, here.speed)
+    at_speed = f"at {here.speed:.6g} m/s by then"
+    found = {
+        "stand": (
+            line.stand and not stands,
+            f"stands still, and the vehicle is {at_speed}; accelerate to 0 m/s first",
+        ),
+        "straight": (
+            line.straight and line.speed is None and stands,
+            (
+                "goes on, and the vehicle stands by then; say its speed, accelerate "
+                "first, or let it stand"
+            ),
+        ),
+        "speed": (is_off, f"and the vehicle is {at_speed}; accelerate first"),
+        "heading": (
+            abs(remainder(heading - here.heading, 2.0 * pi)) > _SAME,
+            (
+                f"and the vehicle heads {degrees(here.heading) % 360.0:.6g} deg by "
+                "then; turn first"
+            ),
+        ),
+    }
+    return {
+        key: f"found {getattr(line, key).printed!r}, {text}" if key in START else text
+        for key, (is_wrong, text) in found.items()
+        if is_wrong
+    }
 
 
 def _too_slow(leg: Leg) -> str:
@@ -965,8 +1017,3 @@ def _too_slow(leg: Leg) -> str:
         f"as long back, and the turn takes {leg.duration:.6g} s; roll quicker, or turn "
         "slower"
     )
-
-
-def _too_fast(printed: str) -> str:
-    """Say that a speed is too high."""
-    return f"found {printed!r}, expected {MOST_SPEED / 1e3:g} km/s at the most"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
@@ -13,9 +12,13 @@ from budget.earth import normal_gravity
 from budget.inputs.checking import check
 from budget.inputs.fields import (
     Measured,
+    Or,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
     Strict,
+    either,
     fault,
     faults,
 )
@@ -29,7 +32,7 @@ from budget.inputs.records import (
 )
 from budget.inputs.station import (
     IDEAL,
-    OrFile,
+    OR_FILE,
     at_station,
     environment_type,
     read_station,
@@ -37,7 +40,7 @@ from budget.inputs.station import (
     station_of,
     surroundings_type,
 )
-from budget.inputs.tree import all_of, describe
+from budget.inputs.tree import describe, flow
 from budget.inputs.use import AGE_FIELD, Age, is_none, stated_lines, with_use
 from budget.inputs.windows import WindowItem, lay_out
 from budget.language import note
@@ -54,9 +57,7 @@ from budget.sentences import sentence
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from pydantic import GetJsonSchemaHandler
-    from pydantic.json_schema import JsonSchemaValue
-    from pydantic_core import CoreSchema, core_schema
+    from collections.abc import Callable
 
     from budget.inputs.tree import YamlFile
     from budget.model.windows import Window
@@ -76,31 +77,25 @@ NO_PAPER = (
 HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal one
 # Of one triad beside `weighted`, whose work grows with their cube: 1,000 take 5 s.
 MOST_WEIGHED = 1000
+NORMAL = "normal"  # gravity of the ellipsoid
+PAPER, NORM, LEAST_SQUARES = "paper", "norm", "least_squares"  # estimators
+AZIMUTHS = "azimuths"  # where the bias of gyros is read
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
 
-@dataclass(frozen=True)
-class Gravity(Measured):
-    """An acceleration, or the word 'normal' for that of the ellipsoid."""
-
-    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
-        """Return the acceleration, or the word."""
-        if value == "normal":
-            return "normal"
-        if isinstance(value, str) and not any(c.isdigit() for c in value):
-            expected = "'normal' or an acceleration such as '9.7967 m/s^2'"
-            raise fault(f"found {describe(value)}, expected {expected}")
-        return super().read(value, info)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe either."""
-        return {"anyOf": [{"const": "normal"}, self.json_schema]}
+def _read_gravity(value: Any, own: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+    """Read an acceleration, or the word for that of the ellipsoid."""
+    if value == NORMAL:
+        return NORMAL
+    if isinstance(value, str) and not any(c.isdigit() for c in value):
+        expected = "'normal' or an acceleration such as '9.7967 m/s^2'"
+        raise fault(f"found {describe(value)}, expected {expected}")
+    return own(value)
 
 
+OR_NORMAL = Or(_read_gravity, lambda schema: either({"const": NORMAL}, schema))
 Time = Annotated[Quantity, Measured("s", bare=True)]
 Azimuth = Annotated[Quantity, Measured("deg", Sign.ANY)]
 Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
@@ -119,7 +114,7 @@ def _count_azimuths(value: object) -> object:
     return value
 
 
-class GyroTest(Strict):
+class GyroTest(Ruled):
     """Rate turns, then a static test at several azimuths or in twelve positions."""
 
     rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] = _paper(
@@ -145,21 +140,32 @@ class GyroTest(Strict):
         "goes in",
     )
 
-    @model_validator(mode="after")
-    def _check_lists(self) -> Self:
-        if self.bias != "azimuths":
-            both = {"azimuths", "dwell"} & self.model_fields_set
-            if both:
-                text = "is of the bias at azimuths, and this is of twelve_positions, "
-                text += "whose dwell is that of the accelerometer; remove it"
-                raise faults({(key,): text for key in sorted(both)})
-        if not self.azimuths:
-            raise faults({("azimuths",): "names no azimuth, expected one at least"})
-        if sorted(self.order) != list(AXES):
-            found = f"[{', '.join(self.order)}]"
-            message = f"found {found}, expected each of x, y, z once, such as [z, x, y]"
-            raise faults({("order",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        *(
+            Rule(
+                key,
+                lambda it, key=key: key in it.model_fields_set and it.bias != AZIMUTHS,
+                "is of the bias at azimuths, and this is of twelve_positions, whose "
+                "dwell is that of the accelerometer; remove it",
+            )
+            for key in (AZIMUTHS, "dwell")
+        ),
+        Rule(
+            AZIMUTHS,
+            lambda it: not it.azimuths,
+            "names no azimuth, expected one at least",
+        ),
+        Rule(
+            "order",
+            lambda it: sorted(it.order) != [*AXES],
+            "found {turned}, expected each of x, y, z once, such as [z, x, y]",
+        ),
+    )
+
+    @property
+    def turned(self) -> str:
+        """The order, as a file has it."""
+        return flow(self.order)
 
 
 class AccelerometerTest(Strict):
@@ -242,7 +248,7 @@ class Estimate(Strict):
         )
 
 
-class ProcedureFile(Strict):
+class ProcedureFile(Ruled):
     """A calibration procedure; an unset key takes the value of Zhao 2019."""
 
     format: Literal["budget-procedure/1"] = "budget-procedure/1"
@@ -250,9 +256,9 @@ class ProcedureFile(Strict):
     latitude: Annotated[Quantity, Measured("deg", Sign.ANY)] = _paper(
         "34.2394 deg", "geodetic"
     )
-    gravity: Annotated[
-        Quantity | Literal["normal"], Gravity("m/s^2", Sign.POSITIVE, bare=True)
-    ] = _paper("normal", "at the place; normal: WGS 84 at that latitude")
+    gravity: Annotated[Any, Measured("m/s^2", Sign.POSITIVE, bare=True), OR_NORMAL] = (
+        _paper("normal", "at the place; normal: WGS 84 at that latitude")
+    )
     height: Annotated[Quantity, Measured("m", Sign.ANY, bare=True)] | None = Field(
         default=None,
         description="above the ellipsoid, for normal gravity; unset: 0 m",
@@ -292,7 +298,7 @@ class ProcedureFile(Strict):
     )
     gyro: GyroTest = Field(default_factory=GyroTest)
     accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
-    station: Annotated[surroundings_type(STATION), OrFile()] | None = Field(  # type: ignore[valid-type]
+    station: Annotated[surroundings_type(STATION), OR_FILE] | None = Field(  # type: ignore[valid-type]
         default=None,
         description="uncertainties of table and place, or the file of a station; "
         "unset: none",
@@ -304,48 +310,131 @@ class ProcedureFile(Strict):
     )
     age: Age | None = AGE_FIELD
 
-    @model_validator(mode="after")
-    def _check_place_and_windows(self) -> Self:
-        messages: dict[tuple[Any, ...], str] = {}
-        if abs(self.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING):
-            messages["latitude",] = (
-                f"found {self.latitude.printed!r}, expected -90 deg to 90 deg"
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "latitude",
+            lambda it: abs(it.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING),
+            "found {latitude!r}, expected -90 deg to 90 deg",
+        ),
+        Rule(
+            "height",
+            lambda it: it.height and abs(it.height.value) > MOST_HEIGHT,
+            f"found {{height!r}}, expected {-MOST_HEIGHT:g} m to {MOST_HEIGHT:g} m",
+        ),
+        Rule(
+            "height",
+            lambda it: it.height and it.gravity != NORMAL,
+            "is for normal gravity, and gravity is given; remove one of them",
+        ),
+        Rule(
+            "age",
+            lambda it: (
+                it.age
+                and getattr(it.environment, "age", None)
+                and not is_none(it.environment)
+            ),
+            "stands in the environment, too; remove one of them",
+        ),
+        Rule(
+            "pause",
+            lambda it: "pause" in it.model_fields_set and it.windows is None,
+            "is of windows; the tests of gyro and accelerometer have their own",
+        ),
+        Rule(
+            "windows",
+            lambda it: it.windows == (),
+            "names no window, expected one at least",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: (
+                    it.windows is not None and key in it.model_fields_set
+                ),
+                "stands beside windows, which are the whole test; remove one of them",
             )
-        if self.height is not None and self.gravity != "normal":
-            messages["height",] = (
-                "is for normal gravity, and gravity is given; remove one of them"
-            )
-        if self.height is not None and abs(self.height.value) > MOST_HEIGHT:
-            messages["height",] = (
-                f"found {self.height.printed!r}, expected {-MOST_HEIGHT:g} m to "
-                f"{MOST_HEIGHT:g} m"
-            )
-        earlier = getattr(self.environment, "age", None)
-        if (
-            self.age is not None
-            and earlier is not None
-            and not is_none(self.environment)
-        ):
-            messages["age",] = "stands in the environment, too; remove one of them"
-        turn = 2.0 * pi * self.gyro.turns / self.gyro.rate.value
-        messages |= self._scheme_faults()
-        windows: dict[tuple[str, ...], tuple[str, float]] = {
-            ("gyro", "rate"): ("a turn", turn),
-            ("gyro", "dwell"): ("a dwell", self.gyro.dwell.value),
-            ("accelerometer", "dwell"): ("a dwell", self.accelerometer.dwell.value),
+            for key in SENSORS
+        ),
+        Rule(
+            "estimator",
+            lambda it: it.windows is not None and it.estimator == PAPER,
+            "found 'paper', whose formulas are of its own test; expected "
+            "least_squares, weighted or norm beside windows",
+        ),
+        Rule(
+            "moves",
+            lambda it: it.moves and it.estimator != NORM,
+            "is of the estimator norm, to which attitudes are unknown; for others give "
+            "turns among the windows",
+        ),
+        Rule(
+            ("estimate", "accelerometer"),
+            lambda it: it.estimator == NORM and it.estimate and it.estimate.orders,
+            "names a higher order, which the norm of gravity does not find; remove it, "
+            "or take another estimator",
+        ),
+        Rule(
+            "formulas",
+            lambda it: (
+                "formulas" in it.model_fields_set and it.chosen_estimator != PAPER
+            ),
+            "is of the estimator paper, and this is {chosen_estimator}; remove it",
+        ),
+        Rule(
+            "formulas",
+            lambda it: it.formulas == PAPER and it.gyro.bias != AZIMUTHS,
+            "are eq. (4) as printed, which is of the bias at azimuths; remove it, or "
+            "the bias of the gyro",
+        ),
+        Rule(
+            "estimate",
+            lambda it: it.estimate and it.chosen_estimator == PAPER,
+            "is of the estimators for windows, and this is paper, whose formulas find "
+            "all; name another estimator, or remove it",
+        ),
+    )
+
+    def _faults(self) -> dict[tuple[Any, ...], str]:
+        """Return what has no sample, or is nothing that the norm of gravity takes."""
+        lengths = {
+            ("gyro", "rate"): (
+                "turn",
+                2.0 * pi * self.gyro.turns / self.gyro.rate.value,
+            ),
+            ("gyro", "dwell"): ("dwell", self.gyro.dwell.value),
+            ("accelerometer", "dwell"): ("dwell", self.accelerometer.dwell.value),
         }
-        for path, (what, length) in windows.items():
-            if length * self.sample_rate.value < 1.0 - _ROUNDING:
-                messages[path] = (
-                    f"{what} of {length:.6g} s has no sample at "
-                    f"{self.sample_rate.printed}, expected one at least"
-                )
-        if messages:
-            raise faults(messages)
+        short: dict[tuple[Any, ...], str] = {
+            path: f"a {what} of {length:.6g} s has no sample at "
+            f"{self.sample_rate.printed}, expected one at least"
+            for path, (what, length) in lengths.items()
+            if length * self.sample_rate.value < 1.0 - _ROUNDING
+        }
+        lines = [
+            (place, line)
+            for place, item in enumerate(self.windows or ())
+            for line in item.lines
+            if self.estimator == NORM
+        ]
+        uses = {
+            ("windows", place, "use"): "is of the gyro, and the norm of gravity "
+            "calibrates accelerometers alone; remove it, or take another estimator"
+            for place, line in lines
+            if line.use == "gyro" and line.turn is None
+        }
+        turns = {
+            ("windows", place, "turn"): "turns, and the estimator norm takes dwells "
+            "alone; remove it, or give a dwell"
+            for place, line in lines
+            if line.turn is not None
+        }
+        return short | uses | turns
+
+    @model_validator(mode="after")
+    def _check_windows(self) -> Self:
         laid_out = self.laid_out  # refuses windows that overlap
         most = max(
-            sum(one.use in {owner, "both"} for one in laid_out)
-            for owner in ("gyro", "accelerometer")
+            sum(one.use in {owner, "both"} for one in laid_out) for owner in SENSORS
         )
         if self.estimator == "weighted" and most > MOST_WEIGHED:
             message = (
@@ -356,73 +445,6 @@ class ProcedureFile(Strict):
             raise faults({("windows",): message})
         return self
 
-    def _scheme_faults(self) -> dict[tuple[Any, ...], str]:
-        """Return which keys do not go together."""
-        found: dict[tuple[Any, ...], str] = {}
-        given = self.model_fields_set
-        if self.windows is None:
-            if "pause" in given:
-                found["pause",] = "is of windows; the tests of gyro and accelerometer "
-                found["pause",] += "have their own"
-        else:
-            if not self.windows:
-                found["windows",] = "names no window, expected one at least"
-            for key in [key for key in SENSORS if key in given]:
-                found[key,] = "stands beside windows, which are the whole test; remove "
-                found[key,] += "one of them"
-            if self.estimator == "paper":
-                found["estimator",] = (
-                    "found 'paper', whose formulas are of its own test; expected "
-                    "least_squares, weighted or norm beside windows"
-                )
-        found |= self._norm_faults()
-        if self.formulas == "paper" and self.gyro.bias != "azimuths":
-            found["formulas",] = (
-                "are eq. (4) as printed, which is of the bias at azimuths; remove it, "
-                "or the bias of the gyro"
-            )
-        if self.estimate is not None and self.chosen_estimator == "paper":
-            found["estimate",] = (
-                "is of the estimators for windows, and this is paper, "
-                "whose formulas find all; name another estimator, or remove it"
-            )
-        if "formulas" in given and self.chosen_estimator != "paper":
-            found["formulas",] = (
-                f"is of the estimator paper, and this is {self.chosen_estimator}; "
-                "remove it"
-            )
-        return found
-
-    def _norm_faults(self) -> dict[tuple[Any, ...], str]:
-        """Return what gravity's norm makes nothing of, or what is of it alone."""
-        found: dict[tuple[Any, ...], str] = {}
-        if self.estimator != "norm":
-            if self.moves is not None:
-                found["moves",] = (
-                    "is of the estimator norm, to which attitudes are unknown; for "
-                    "others give turns among the windows"
-                )
-            return found
-        if self.estimate and self.estimate.orders:
-            found["estimate", "accelerometer"] = (
-                "names a higher order, which the norm of gravity does not find; "
-                "remove it, or take another estimator"
-            )
-        items = enumerate(self.windows or ())
-        lines = ((place, line) for place, item in items for line in item.lines)
-        for place, line in lines:
-            if line.turn is not None:
-                found["windows", place, "turn"] = (
-                    "turns, and the estimator norm takes dwells alone; remove it, or "
-                    "give a dwell"
-                )
-            elif line.use == "gyro":
-                found["windows", place, "use"] = (
-                    "is of the gyro, and the norm of gravity calibrates accelerometers "
-                    "alone; remove it, or take another estimator"
-                )
-        return found
-
     @property
     def held(self) -> tuple[Name, ...]:
         """Parameters that are not estimated, 'gyro.bias.x'.
@@ -430,7 +452,7 @@ class ProcedureFile(Strict):
         How a triad is turned as a whole no norm shows: three angles are held there.
         """
         named = self.estimate or Estimate()
-        if self.estimator == "norm" and "accelerometer" not in named.model_fields_set:
+        if self.estimator == NORM and "accelerometer" not in named.model_fields_set:
             named = Estimate(gyro=named.gyro, accelerometer=TRIANGULAR)
         return named.held()
 
@@ -439,7 +461,7 @@ class ProcedureFile(Strict):
         """The estimator, the usual one where none is named."""
         if self.estimator is not None:
             return self.estimator
-        return "paper" if self.windows is None else "least_squares"
+        return PAPER if self.windows is None else LEAST_SQUARES
 
     @cached_property
     def laid_out(self) -> tuple[Window, ...]:
@@ -469,28 +491,25 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
         Every issue of the file.
     """
     model = check(document, ProcedureFile)
-    gravity, height = model.gravity, model.height.value if model.height else 0.0
-    idle = () if model.chosen_estimator == "paper" else ("formulas",)
-    gyro, accelerometer = model.gyro, model.accelerometer
-    shared = (STATION, ENVIRONMENT)
     origin = Origin(file=document.base_name, sha256=document.sha256)
     name = model.name or document.stem
     named = model.station if isinstance(model.station, str) else None
     own = None if named else model.station
     here = station_of(own, model.environment, name=name, origin=origin)
+    is_normal, is_paper = model.gravity == NORMAL, model.chosen_estimator == PAPER
+    height = model.height.value if model.height else 0.0
+    gyro, accelerometer = model.gyro, model.accelerometer
     procedure = Procedure(
         name=name,
         latitude=model.latitude.value,
         gravity=normal_gravity(model.latitude.value, height)
-        if gravity == "normal"
-        else gravity.value,
+        if is_normal
+        else model.gravity.value,
         height=height,
-        is_gravity_normal=gravity == "normal",
+        is_gravity_normal=is_normal,
         timing=here.timing,
         sample_rate=model.sample_rate.value,
-        formulas=model.formulas
-        if model.chosen_estimator == "paper"
-        else model.chosen_estimator,
+        formulas=model.formulas if is_paper else model.chosen_estimator,
         windows=model.laid_out,
         held=model.held,
         orders=() if model.estimate is None else model.estimate.orders,
@@ -500,7 +519,7 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
             order=gyro.order,
             pause=gyro.pause.value,
             azimuths=tuple(azimuth.value for azimuth in gyro.azimuths)
-            if gyro.bias == "azimuths"
+            if gyro.bias == AZIMUTHS
             else (),
             dwell=gyro.dwell.value,
         ),
@@ -509,77 +528,57 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
             pause=accelerometer.pause.value,
             flip_axis=model.flip_axis,
         ),
-        assumptions=(
-            *_assumptions("", model, (*NO_PAPER, *SENSORS, *shared, *idle)),
-            *(() if model.windows else _assumptions("gyro.", gyro, _idle(gyro))),
-            *(() if model.windows else _assumptions("accelerometer.", accelerometer)),
-            *((HEIGHT_0,) if gravity == "normal" and model.height is None else ()),
-            *((IDEAL,) if model.station is None else ()),
-            *_windows_assumptions(model),
-            *_held_assumptions(model),
-            *here.assumptions,
-        ),
+        assumptions=(*_assumptions(model), *here.assumptions),
         station=here.station,
         environment=here.environment,
         origin=origin,
     )
-    use = stated_lines(None, model.age)
+    procedure = with_use(procedure, stated_lines(None, model.age))
     if named is None:
-        return with_use(procedure, use)
+        return procedure
     if station is None:
         file, node = station_file(document), document.root.nearest((STATION,))
         with unshown(file.path, f"a {STATION}", document, node):
-            there = read_station(open_file(file, STATION))
-    else:
-        there = read_station(station)
+            station = open_file(file, STATION)
+    there = read_station(station)
     if model.environment is not None and there.environment:
-        node = document.root.nearest(("environment",))
         message = f"stands beside that of {named}, which has one; remove one of them"
-        raise all_of([document.issue(node, message, on_key=True)])
-    return at_station(with_use(procedure, use), there)
+        raise document.refuse(((ENVIRONMENT,), message), on_key=True)
+    return at_station(procedure, there)
 
 
-def _idle(gyro: GyroTest) -> tuple[str, ...]:
-    """Return the keys of the test that nothing is assumed of."""
-    return ("bias",) if gyro.bias == "azimuths" else ("bias", "azimuths", "dwell")
-
-
-def _windows_assumptions(model: ProcedureFile) -> tuple[str, ...]:
-    """Say what a file with windows leaves open."""
-    if model.windows is None:
-        return ()
-    found = []
-    if model.estimator is None:
-        found.append(sentence("assumed.usual", key="estimator", usual="least_squares"))
-    if model.pause is None:
-        found.append(sentence("assumed.usual", key="pause", usual="0 s"))
-    return tuple(found)
-
-
-def _held_assumptions(model: ProcedureFile) -> tuple[str, ...]:
-    """Say what is not estimated."""
-    return tuple(
-        sentence("assumed.held", parameters=parameters)
-        for parameters in by_group(model.held)
+def _assumptions(model: ProcedureFile) -> tuple[str, ...]:
+    """Say what a file leaves open, and how it is taken: as the paper has it."""
+    gyro = model.gyro
+    of_bias = ("bias",) if gyro.bias == AZIMUTHS else ("bias", AZIMUTHS, "dwell")
+    idle = () if model.chosen_estimator == PAPER else ("formulas",)
+    parts: tuple[tuple[str, Strict, tuple[str, ...]], ...] = (
+        ("", model, (*NO_PAPER, *SENSORS, STATION, ENVIRONMENT, *idle)),
+        ("gyro.", gyro, of_bias),
+        ("accelerometer.", model.accelerometer, ()),
     )
-
-
-def _assumptions(
-    prefix: str, model: Strict, others: tuple[str, ...] = ()
-) -> tuple[str, ...]:
-    """Say which keys are not given and what the paper's value is."""
-    unset = [
-        (key, field.default)
-        for key, field in type(model).model_fields.items()
-        if key not in model.model_fields_set and key not in others
-        if field.default is not None  # an age that nobody states is no 0 either
-    ]
-    return tuple(
-        sentence("assumed.as_in_the_paper", key=f"{prefix}{key}", shown=_shown(value))
-        for key, value in unset
+    usual = {"estimator": LEAST_SQUARES, "pause": "0 s"} if model.windows else {}
+    return (
+        *(
+            sentence(
+                "assumed.as_in_the_paper",
+                key=f"{prefix}{key}",
+                shown=flow(field.default),
+            )
+            for prefix, part, others in (parts[:1] if model.windows else parts)
+            for key, field in type(part).model_fields.items()
+            if key not in part.model_fields_set and key not in others
+            if field.default is not None  # an age that nobody states is no 0 either
+        ),
+        *((HEIGHT_0,) if model.gravity == NORMAL and model.height is None else ()),
+        *((IDEAL,) if model.station is None else ()),
+        *(
+            sentence("assumed.usual", key=key, usual=word)
+            for key, word in usual.items()
+            if getattr(model, key) is None
+        ),
+        *(
+            sentence("assumed.held", parameters=parameters)
+            for parameters in by_group(model.held)
+        ),
     )
-
-
-def _shown(value: object) -> str:
-    """Return a value as a file spells it."""
-    return f"[{', '.join(value)}]" if isinstance(value, tuple) else str(value)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic import Field, create_model
+from pydantic_core import PydanticCustomError
 
 from budget.inputs.fields import (
     Measured,
-    OrText,
+    Or,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
-    Strict,
+    either,
     fault,
-    faults,
     mapping_of,
+    or_text,
 )
 from budget.inputs.tree import describe
 from budget.model.sources import ACCELEROMETER, GYRO
@@ -26,7 +28,9 @@ from budget.names import AXES
 from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from collections.abc import Callable
+
+    from pydantic import ValidationInfo
     from pydantic.json_schema import JsonSchemaValue
 
     from budget.arrays import Array
@@ -38,7 +42,7 @@ class Bound(Measured):
 
     sign: Sign = Sign.POSITIVE
 
-    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
+    def read(self, value: object, info: ValidationInfo) -> object:
         """Return the quantity that a text says."""
         text = value.removeprefix("±") if isinstance(value, str) else value
         return super().read(text, info)
@@ -55,7 +59,7 @@ FORM = "{gyro: 300 deg/s, accelerometer: 10 g}"
 IS = "the largest input of either sign that it reads"
 
 
-class RangeValue(Strict):
+class RangeValue(Ruled):
     """What a file may say of the range of one triad, besides a text."""
 
     value: Quantity | None = None
@@ -67,14 +71,18 @@ class RangeValue(Strict):
     )
     condition: ShortText = Field(default="", description="the maker's other words")
 
-    @model_validator(mode="after")
-    def _check_axes(self) -> Self:
-        if absent := [axis for axis in AXES if self.of_axis(axis) is None]:
-            message = (
-                f"says nothing of {', '.join(absent)}, expected value, or x, y and z"
-            )
-            raise faults({(): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            (),
+            lambda given: given.absent,
+            "says nothing of {absent}, expected value, or x, y and z",
+        ),
+    )
+
+    @property
+    def absent(self) -> str:
+        """The axes that it says nothing of."""
+        return ", ".join(axis for axis in AXES if self.of_axis(axis) is None)
 
     def of_axis(self, axis: str) -> Quantity | None:
         """Return what it says of an axis."""
@@ -82,40 +90,23 @@ class RangeValue(Strict):
         return self.value if own is None else own
 
 
-@dataclass(frozen=True)
-class OfOneSensor:
-    """Beside the mapping of sensors that it annotates, a text: its unit says which."""
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-
-        def read(
-            value: object,
-            mapping: core_schema.ValidatorFunctionWrapHandler,
-            info: core_schema.ValidationInfo,
-        ) -> object:
-            if isinstance(value, dict):
-                return mapping(value)
-            for sensor, measured in MEASURED.items():
-                with suppress(PydanticCustomError):
-                    measured.read(value, info)
-                    return mapping({sensor: value})
-            raise fault(
-                f"found {describe(value)}, expected {FORM}, each {IS}; in a file with "
-                "one sensor '300 deg/s' will do; the maker's other words stand beside "
-                "a value: {value: 300 deg/s, condition: ...}"
-            )
-
-        return core_schema.with_info_wrap_validator_function(read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe either."""
-        texts = [measured.json_schema for measured in MEASURED.values()]
-        return {"anyOf": [*texts, handler(schema["schema"])]}
+def _read_alone(
+    value: Any,  # noqa: ANN401
+    mapping: Callable[[object], object],
+    info: ValidationInfo,
+) -> object:
+    """Read a mapping of sensors, or a text: its unit says which."""
+    if isinstance(value, dict):
+        return mapping(value)
+    for sensor, measured in MEASURED.items():
+        with suppress(PydanticCustomError):
+            measured.read(value, info)
+            return mapping({sensor: value})
+    raise fault(
+        f"found {describe(value)}, expected {FORM}, each {IS}; in a file with one "
+        "sensor '300 deg/s' will do; the maker's other words stand beside a value: "
+        "{value: 300 deg/s, condition: ...}"
+    )
 
 
 def range_type(sensor: str) -> Any:  # noqa: ANN401
@@ -125,19 +116,25 @@ def range_type(sensor: str) -> Any:  # noqa: ANN401
         ("value", *AXES), (Annotated[Quantity, measured] | None, None)
     )
     mapping = create_model(f"range_{sensor}", __base__=RangeValue, **fields)
-    return Annotated[mapping, OrText(measured)]
+    return Annotated[mapping, or_text(measured)]
 
 
 TYPES = {sensor: range_type(sensor) for sensor in MEASURED}
-RANGES: Any = Annotated[mapping_of("ranges", TYPES), OfOneSensor()]
+RANGES: Any = Annotated[
+    mapping_of("ranges", TYPES),
+    Or(
+        _read_alone,
+        lambda schema: either(*(one.json_schema for one in MEASURED.values()), schema),
+    ),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReadRange:
     """The range of one triad, as its record has it."""
 
-    values: Array  # shape (3,) [rad/s or m/s^2]
-    printed: str  # for people: '±400 °/s (saturates at ±480 °/s)'
+    range: Array  # shape (3,) [rad/s or m/s^2]
+    range_printed: str  # for people: '±400 °/s (saturates at ±480 °/s)'
 
 
 def read_range(given: Quantity | RangeValue) -> ReadRange:
@@ -151,6 +148,6 @@ def read_range(given: Quantity | RangeValue) -> ReadRange:
     words = f"of {given.options}" if given.options else ""
     beside = "; ".join(filter(None, (words, given.condition)))
     return ReadRange(
-        values=np.array([one.value for _, one in found]),
-        printed=", ".join(texts) + (f" ({beside})" if beside else ""),
+        range=np.array([one.value for _, one in found]),
+        range_printed=", ".join(texts) + (f" ({beside})" if beside else ""),
     )

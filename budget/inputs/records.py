@@ -361,6 +361,20 @@ class Procedure:
         )
 
 
+_ROUNDING = 1e-9  # of a time, relative
+
+
+def joined(spans: Iterable[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Return spans, as they rise, of which none begins before another ends."""
+    found: list[tuple[float, float]] = []
+    for begin, end in spans:
+        if found and begin <= found[-1][1] * (1.0 + _ROUNDING):
+            found[-1] = (found[-1][0], max(end, found[-1][1]))
+        else:
+            found.append((begin, end))
+    return tuple(found)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Aiding:
     """What is measured of a vehicle besides, and when."""
@@ -420,13 +434,7 @@ class Mission:
     @property
     def measured(self) -> tuple[tuple[float, float], ...]:
         """Begins and ends of when any aid is there, rising and apart [s]."""
-        found: list[tuple[float, float]] = []
-        for begin, end in sorted(span for aid in self.aiding for span in aid.spans):
-            if found and begin <= found[-1][1]:
-                found[-1] = (found[-1][0], max(end, found[-1][1]))
-            else:
-                found.append((begin, end))
-        return tuple(found)
+        return joined(sorted(span for aid in self.aiding for span in aid.spans))
 
 
 EACH, JOINT = "each", "joint"

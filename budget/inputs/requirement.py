@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from collections import Counter
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, create_model
 
 from budget.distributions import COVERAGES, is_coverage
 from budget.inputs.checking import check
 from budget.inputs.fields import (
     Measured,
-    OneOrMore,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
     Strict,
     by_axis,
-    faults,
     mapping_of,
+    or_one,
     per_axis,
 )
 from budget.inputs.records import EACH, Limit, Origin, Requirement
@@ -64,7 +66,12 @@ class Caps(Strict):
     power: ShortText | None = None
 
 
-class AtTime(Strict):
+def _is_none(share: Quantity | None) -> bool:
+    """Say whether what is given is no coverage."""
+    return share is not None and not is_coverage(share.value)
+
+
+class AtTime(Ruled):
     """A limit at a time of a mission."""
 
     at: Moment = Field(description="since the mission began")
@@ -76,18 +83,23 @@ class AtTime(Strict):
         description="of the probability: over units, turn-ons and noise, at that time",
     )
 
-    @model_validator(mode="after")
-    def _check(self) -> Self:
-        messages: dict[tuple[str, ...], str] = {}
-        p = self.probability
-        if p is not None and not is_coverage(p.value):
-            messages["probability",] = f"found {p.printed!r}, expected one {COVERAGES}"
-        if not self.named:
-            keys = [key for key in type(self).model_fields if key not in TIMING]
-            messages["at",] = f"has no limit beside it, expected {' or '.join(keys)}"
-        if messages:
-            raise faults(messages)
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "probability",
+            lambda it: _is_none(it.probability),
+            f"found {{probability!r}}, expected one {COVERAGES}",
+        ),
+        Rule(
+            "at",
+            lambda it: not it.named,
+            "has no limit beside it, expected {keys}",
+        ),
+    )
+
+    @property
+    def keys(self) -> str:
+        """What may be limited."""
+        return " or ".join(key for key in type(self).model_fields if key not in TIMING)
 
     @property
     def named(self) -> dict[str, Quantity]:
@@ -110,8 +122,8 @@ def _mission_type() -> Any:  # noqa: ANN401
         limit = Annotated[Quantity, Measured(like, Sign.POSITIVE)]
         item: Any = mapping_of(title, dict.fromkeys(keys, limit), base=AtTime)
         items: Any = tuple[item, ...]
-        one_or_more = OneOrMore(keys[0], "at: 60 s")
-        return Annotated[items, Field(max_length=MOST_LIMITS), one_or_more]
+        alone = or_one(keys[0], "at: 60 s")
+        return Annotated[items, Field(max_length=MOST_LIMITS), alone]
 
     vectors = {
         quantity: several(
@@ -149,7 +161,7 @@ def _limits_type() -> Any:  # noqa: ANN401
     return mapping_of("limits", sensors | limits(IMU) | {MISSION: _mission_type()})
 
 
-class RequirementBase(Strict):
+class RequirementBase(Ruled):
     """What a calibrated system must hold."""
 
     format: Literal["budget-requirement/1"] = "budget-requirement/1"
@@ -172,30 +184,38 @@ class RequirementBase(Strict):
     )
     caps: Caps = Caps()
 
-    @model_validator(mode="after")
-    def _check_coverage_and_limits(self) -> Self:
-        messages: dict[tuple[str, ...], str] = {}
-        if self.coverage is not None and not is_coverage(self.coverage.value):
-            messages["coverage",] = (
-                f"found {self.coverage.printed!r}, expected one {COVERAGES}"
-            )
-        limits, on_mission = _limits(self.limits), _mission_limits(self.limits)
-        if not limits and not on_mission:
-            messages["limits",] = "names no limit, expected one at least"
-        twice = [one.output for one in on_mission]
-        if again := sorted({name for name in twice if twice.count(name) > 1}):
-            messages["limits", MISSION] = (
-                f"limits {', '.join(again)} twice, expected one limit at each time; "
-                "the others are printed beside it (CEP, R95, DRMS)"
-            )
-        if on_mission and self.reference not in {None, "next_turn_on"}:
-            messages["reference",] = (
-                f"found {self.reference!r} beside limits on a mission, which begins "
-                "with a turn-on of its own; expected next_turn_on, or leave it out"
-            )
-        if messages:
-            raise faults(messages)
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "coverage",
+            lambda it: _is_none(it.coverage),
+            f"found {{coverage!r}}, expected one {COVERAGES}",
+        ),
+        Rule(
+            "limits",
+            lambda it: not (_limits(it.limits) or _mission_limits(it.limits)),
+            "names no limit, expected one at least",
+        ),
+        Rule(
+            ("limits", MISSION),
+            lambda it: it.twice,
+            "limits {twice} twice, expected one limit at each time; the others are "
+            "printed beside it (CEP, R95, DRMS)",
+        ),
+        Rule(
+            "reference",
+            lambda it: (
+                it.reference not in {None, REFERENCE} and _mission_limits(it.limits)
+            ),
+            "found {reference!r} beside limits on a mission, which begins with a "
+            "turn-on of its own; expected next_turn_on, or leave it out",
+        ),
+    )
+
+    @property
+    def twice(self) -> str:
+        """Outputs of a mission that have two limits at one time."""
+        number = Counter(one.output for one in _mission_limits(self.limits))
+        return ", ".join(sorted(name for name, times in number.items() if times > 1))
 
 
 _LIMITS: Any = (_limits_type(), RequirementBase.model_fields["limits"])
@@ -211,19 +231,18 @@ def read_requirement(document: YamlFile) -> Requirement:
         Every issue of the file.
     """
     model = check(document, RequirementFile)
-    assumptions = []
-    if model.coverage is None:
-        assumptions.append(sentence("assumed.usual", key="coverage", usual=COVERAGE))
-    if model.reference is None:
-        assumptions.append(sentence("assumed.usual", key="reference", usual=REFERENCE))
-    caps = dict(model.caps)
+    usual = {"coverage": COVERAGE, "reference": REFERENCE}
     return Requirement(
         name=model.name,
         coverage=0.95 if model.coverage is None else model.coverage.value,
         reference=model.reference or REFERENCE,
         limits=(*_limits(model.limits), *_mission_limits(model.limits)),
-        caps=tuple((key, text) for key, text in caps.items() if text is not None),
-        assumptions=tuple(assumptions),
+        caps=tuple((key, text) for key, text in model.caps if text is not None),
+        assumptions=tuple(
+            sentence("assumed.usual", key=key, usual=word)
+            for key, word in usual.items()
+            if getattr(model, key) is None
+        ),
         origin=Origin(file=document.base_name, sha256=document.sha256),
         use=stated_lines(model.environment, model.age),
         decision=model.decision or EACH,

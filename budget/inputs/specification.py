@@ -12,28 +12,29 @@ from typing import (
     Any,
     ClassVar,
     Literal,
-    Self,
     cast,
     get_args,
 )
 
 import numpy as np
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, create_model
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
 from budget.errors import UnitError
 from budget.inputs.changes import EXACT
 from budget.inputs.fields import (
     Measured,
-    OrText,
+    Rule,
+    Ruled,
     ShortText,
     Sign,
     Strict,
-    Synonyms,
-    faults,
     mapping_of,
+    or_text,
+    synonyms,
 )
 from budget.inputs.records import ErrorLine
+from budget.inputs.tree import flow
 from budget.language import term
 from budget.model.sources import (
     BAND,
@@ -58,7 +59,7 @@ from budget.units import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from budget.inputs.makers import Density
     from budget.model.source import Key, Source
@@ -88,6 +89,14 @@ SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
 # to three digits, as data sheets use it [1].
 ALLAN_MINIMUM = 0.664
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
+FLOOR = "allan_minimum"  # definition of a value: the lowest point of the Allan curve
+# Keys of a line that a mapping of one axis has for itself.
+STATED = frozenset(
+    {
+        *("meaning", "distribution", "definition", "correlation_time", "density"),
+        "averaging_time",
+    }
+)
 
 
 # What a value may mean that the maker leaves open: words that exclude one another, and
@@ -110,7 +119,7 @@ READINGS = (  # by the key that says it, '' where none does
 _ORDER = tuple(dict.fromkeys(word for _, group in READINGS for word in group))
 
 
-class SpecificationValue(Strict):
+class SpecificationValue(Ruled):
     """What a file may say about one specification value, or about one axis of it.
 
     Attributes
@@ -136,7 +145,7 @@ class SpecificationValue(Strict):
             "peak to peak",
             "exact",
         ],
-        Synonyms(MEANINGS),
+        synonyms(MEANINGS),
     ] = Field(
         default="1 sigma",
         description="what the maker means by the value; exact: by a 0 that is meant",
@@ -153,27 +162,43 @@ class SpecificationValue(Strict):
     )
     source: ShortText | None = Field(default=None, description="where it is printed")
 
-    @model_validator(mode="after")
-    def _check_exact(self) -> Self:
-        if self.meaning != EXACT:
-            return self
-        own = vars(getattr(self, "axes", None) or self).values()
-        found = [q for q in (self.value, *own) if isinstance(q, Quantity) and q.value]
-        if found:
-            message = (
-                f"found 'exact' with {found[0].printed!r}, expected it of 0 alone: an "
-                "error of some size has a spread; say which, as 1 sigma, or put a "
-                "known offset under nominal"
-            )
-            raise faults({("meaning",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "meaning",
+            lambda it: it.meaning == EXACT and it.some_size,
+            "found 'exact' with {some_size!r}, expected it of 0 alone: an error of "
+            "some size has a spread; say which, as 1 sigma, or put a known offset "
+            "under nominal",
+        ),
+    )
+
+    @property
+    def by_axis(self) -> dict[str, Any]:
+        """What it says of axes, by axis."""
+        axes = getattr(self, "axes", None)
+        return vars(axes) if axes else {}
+
+    @property
+    def sizes(self) -> list[Quantity]:
+        """Its values, without those of axes that are mappings of their own."""
+        every = (self.value, *self.by_axis.values())
+        return [one for one in every if isinstance(one, Quantity)]
+
+    @property
+    def some_size(self) -> str:
+        """The first value that is not 0, as printed; '' where all are."""
+        return next((one.printed for one in self.sizes if one.value), "")
 
     @property
     def is_exact(self) -> bool:
         """Whether a 0 is meant, on some axis at least."""
-        axes = vars(getattr(self, "axes", None) or self).values()
-        own = (one for one in axes if isinstance(one, SpecificationValue))
-        return self.meaning == EXACT or any(one.meaning == EXACT for one in own)
+        return EXACT in {
+            getattr(one, "meaning", "") for one in (self, *self.by_axis.values())
+        }
+
+    def form(self) -> _Form:
+        """Return what it means, where that may be one of several things."""
+        return _Form()
 
 
 class ConstantValue(SpecificationValue):
@@ -181,7 +206,7 @@ class ConstantValue(SpecificationValue):
 
     distribution: (
         Annotated[
-            Literal["normal", "uniform", "triangular", "arcsine"], Synonyms(SHAPES)
+            Literal["normal", "uniform", "triangular", "arcsine"], synonyms(SHAPES)
         ]
         | None
     ) = Field(
@@ -189,15 +214,27 @@ class ConstantValue(SpecificationValue):
         description="shape; unset: normal for a sigma, uniform for a half-width",
     )
 
-    @model_validator(mode="after")
-    def _check_shape(self) -> Self:
-        if self.meaning in HALF_WIDTHS and self.distribution == "normal":
-            message = (
-                f"found 'normal' with meaning {self.meaning!r}, a half-width; expected "
-                "uniform, triangular or arcsine, or a sigma meaning"
-            )
-            raise faults({("distribution",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "distribution",
+            lambda it: it.meaning in HALF_WIDTHS and it.distribution == "normal",
+            "found 'normal' with meaning {meaning!r}, a half-width; expected uniform, "
+            "triangular or arcsine, or a sigma meaning",
+        ),
+    )
+
+
+# The largest deviation of K_p x^p from a line over -R to R, over K_p R^p [1].
+DEVIATIONS = {
+    ("cubic", "best"): 1.0 / 4.0,
+    ("quadratic", "best"): 1.0 / 2.0,
+    ("cubic", "least_squares"): 2.0 / 5.0,
+    ("quadratic", "least_squares"): 2.0 / 3.0,
+}
+_LONE = (
+    "is of the curve over a full scale, expected full_scale beside it ({{value: 30 "
+    "ppm, full_scale: ..., %s: ...}}); or remove it"
+)
 
 
 class NonlinearityValue(ConstantValue):
@@ -213,18 +250,16 @@ class NonlinearityValue(ConstantValue):
         default=None, description="of the curve; unset, with full_scale: cubic"
     )
 
-    @model_validator(mode="after")
-    def _check_curve(self) -> Self:
-        if self.full_scale is None and (self.line or self.shape):
-            key = "line" if self.line else "shape"
-            message = (
-                "is of the curve over a full scale, expected full_scale beside it "
-                f"({{value: 30 ppm, full_scale: ..., {key}: ...}}); or remove it"
-            )
-            raise faults({(key,): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule("line", lambda it: it.line and not it.full_scale, _LONE % "line"),
+        Rule(
+            "shape",
+            lambda it: it.shape and not (it.full_scale or it.line),
+            _LONE % "shape",
+        ),
+    )
 
-    def curve(self) -> _Form:
+    def form(self) -> _Form:
         """Return the curve as the coefficient of its power [SI].
 
         NL R is the largest deviation of K_p x^p from the line over -R to R: of the best
@@ -234,26 +269,20 @@ class NonlinearityValue(ConstantValue):
         if self.full_scale is None:
             return _Form(notes=(sentence("values.no_full_scale"),))
         line, shape = self.line or "best", self.shape or "cubic"
-        part = {
-            ("cubic", "best"): 1.0 / 4.0,
-            ("quadratic", "best"): 1.0 / 2.0,
-            ("cubic", "least_squares"): 2.0 / 5.0,
-            ("quadratic", "least_squares"): 2.0 / 3.0,
-        }[shape, line]
         power = 3 if shape == "cubic" else 2
-        notes = [] if self.line else [sentence("values.no_line")]
-        notes += [] if self.shape else [sentence("values.no_shape")]
-        range_ = self.full_scale
+        unsaid = {"values.no_line": self.line, "values.no_shape": self.shape}
+        part = DEVIATIONS[shape, line] * self.full_scale.value ** (power - 1)
         return _Form(
             form=shape,
-            factor=1.0 / (part * range_.value ** (power - 1)),
-            says=(("full_scale", self._lasting()), ("line", line), ("shape", shape)),
-            definition=f"{shape}, from the {line} line over {range_.printed}",
-            notes=tuple(notes),
+            factor=1.0 / part,
+            says=(("full_scale", self.lasting), ("line", line), ("shape", shape)),
+            definition=f"{shape}, from the {line} line over {self.full_scale.printed}",
+            notes=tuple(sentence(key) for key, said in unsaid.items() if not said),
         )
 
-    def _lasting(self) -> str:
-        """Return the full scale as any file has it."""
+    @property
+    def lasting(self) -> str:
+        """The full scale as any file has it."""
         return self.full_scale.printed if self.full_scale else ""
 
 
@@ -272,8 +301,9 @@ class ForceNonlinearity(NonlinearityValue):
         default=None, description="half the range, over which the value is given"
     )
 
-    def _lasting(self) -> str:
-        """Return the full scale without g, which may be another one elsewhere."""
+    @property
+    def lasting(self) -> str:
+        """The full scale without g, which may be another one elsewhere."""
         return f"{self.full_scale.value!r} m/s^2" if self.full_scale else ""
 
 
@@ -285,7 +315,7 @@ class RateAsymmetry(ConstantValue):
         default="turn", description="whose sign decides which scale factor applies"
     )
 
-    def curve(self) -> _Form:
+    def form(self) -> _Form:
         """Return whose sign decides."""
         if "sign_of" not in self.model_fields_set:
             return _Form()
@@ -325,46 +355,46 @@ class AgeingValue(ConstantValue):
     )
     earlier: tuple[Earlier, ...] = ()  # of the line's own unit, below
 
-    @model_validator(mode="after")
-    def _check_horizons(self) -> Self:
-        found: dict[tuple[str | int, ...], str] = {}
-        if self.earlier and not (self.value and self.value.value):
-            message = "is beside one value of all axes above 0, expected that here"
-            raise faults({("earlier",): message})
-        horizons = [*(one.horizon for one in self.earlier), self.horizon]
-        for place, (one, after) in enumerate(pairwise(horizons)):
-            if one.value >= after.value:
-                found["earlier", place, "horizon"] = (
-                    f"found {one.printed!r} before {after.printed!r}, expected times "
-                    "that rise to the horizon of the line"
-                )
-        for place, each in enumerate(self.earlier):
-            later = [one.value for one in self.earlier[place + 1 :]]
-            most = later[0] if later else self.value
-            if each.value.value == 0.0:
-                found["earlier", place, "value"] = "found 0, expected more than that"
-            elif most is not None and each.value.value > most.value:
-                found["earlier", place, "value"] = (
-                    f"found {each.value.printed!r} before {most.printed!r}, expected "
-                    "values that do not fall with time: what has aged stays so"
-                )
-        if found:
-            raise faults(found)
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "earlier",
+            lambda it: it.earlier and not (it.value and it.value.value),
+            "is beside one value of all axes above 0, expected that here",
+        ),
+    )
 
-    def curve(self) -> _Form:
+    def _faults(self) -> dict[tuple[str | int, ...], str]:
+        """Return where times and values do not rise to those of the line."""
+        horizons = [*(one.horizon for one in self.earlier), self.horizon]
+        values = [*(one.value for one in self.earlier), self.value]
+        times = {
+            ("earlier", place, "horizon"): f"found {one.printed!r} before "
+            f"{after.printed!r}, expected times that rise to the horizon of the line"
+            for place, (one, after) in enumerate(pairwise(horizons))
+            if one.value >= after.value
+        }
+        sizes = {
+            ("earlier", place, "value"): f"found {one.printed!r} before "
+            f"{most.printed!r}, expected values that do not fall with time: what has "
+            "aged stays so"
+            if one.value
+            else "found 0, expected more than that"
+            for place, (one, most) in enumerate(pairwise(values))
+            if one and most and (one.value > most.value or not one.value)
+        }
+        return {**super()._faults(), **times, **sizes}
+
+    def form(self) -> _Form:
         """Return its law, and its size at the horizons that are printed."""
         size = self.value.value if self.value else 1.0
-        points = [(one.value.value, one.horizon) for one in self.earlier]
-        says = [
-            (f"{one.value.printed} after", one.horizon.printed) for one in self.earlier
-        ]
         law = "" if self.law is None else f", {words(self.law)}"
-        before = "".join(f", {value} {time}" for value, time in says)
+        before = "".join(
+            f", {one.value.printed} after {one.horizon.printed}" for one in self.earlier
+        )
         return _Form(
             form=self.law or "",
             horizons=(
-                *((horizon.value, value / size) for value, horizon in points),
+                *((one.horizon.value, one.value.value / size) for one in self.earlier),
                 (self.horizon.value, 1.0),
             ),
             says=(
@@ -393,7 +423,7 @@ class _Form:
 class ProcessValue(SpecificationValue):
     """Specification value of a random process."""
 
-    distribution: Annotated[Literal["normal"], Synonyms(GAUSSIAN)] | None = Field(
+    distribution: Annotated[Literal["normal"], synonyms(GAUSSIAN)] | None = Field(
         default=None, description="a process is normal"
     )
 
@@ -411,12 +441,12 @@ class SampleNoiseValue(ProcessValue):
     """Specification value of a noise of every sample, or of the rms in a band."""
 
     of_axis: ClassVar[type[SpecificationValue] | None] = ProcessValue
-    bandwidth: Annotated[Filter, OrText(Measured("Hz", Sign.POSITIVE))] | None = Field(
+    bandwidth: Annotated[Filter, or_text(Measured("Hz", Sign.POSITIVE))] | None = Field(
         default=None,
         description="noise bandwidth B of an rms, N = rms/sqrt(2 B); unset: of samples",
     )
 
-    def curve(self) -> _Form:
+    def form(self) -> _Form:
         """Return the random walk of an rms in a one-sided noise bandwidth B [Hz].
 
         rms^2 = 2 N^2 B of white noise N, with B = f_c (pi/2n)/sin(pi/2n) of a
@@ -429,10 +459,9 @@ class SampleNoiseValue(ProcessValue):
         if isinstance(band, Quantity):
             B, said = band.value, band.printed
         else:
-            corner, order = band.corner, band.order
-            angle = pi / (2.0 * order)
-            B = corner.value * angle / sin(angle)
-            said = f"{{corner: {corner.printed}, order: {order}}}"
+            angle = pi / (2.0 * band.order)
+            B = band.corner.value * angle / sin(angle)
+            said = flow({"corner": band.corner.printed, "order": band.order})
         return _Form(
             form=BAND,
             factor=1.0 / sqrt(2.0 * B),
@@ -449,28 +478,25 @@ class WalkValue(ProcessValue):
         description="of a value per root of hertz; unset: open, the larger N = D taken",
     )
 
-    @model_validator(mode="after")
-    def _check_density(self) -> Self:
-        for quantity in self._governed():
-            if self.density and not per_root_hertz(quantity.unit):
-                message = (
-                    f"found {self.density!r} with {quantity.printed!r}, which is the "
-                    "random walk itself and no density, expected a value per root of "
-                    "hertz; remove 'density'"
-                )
-                raise faults({("density",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "density",
+            lambda it: it.density and it.some_walk,
+            "found {density!r} with {some_walk!r}, which is the random walk itself and "
+            "no density, expected a value per root of hertz; remove 'density'",
+        ),
+    )
+
+    @property
+    def some_walk(self) -> str:
+        """The first value that is no density, as printed; '' where all are."""
+        walks = (one.printed for one in self.sizes if not per_root_hertz(one.unit))
+        return next(walks, "")
 
     @property
     def is_open(self) -> bool:
         """Whether it is a density, and the sides of it are not said."""
-        units = [quantity.unit for quantity in self._governed()]
-        return self.density is None and any(map(per_root_hertz, units))
-
-    def _governed(self) -> list[Quantity]:
-        """Return its values, without those of axes that are mappings of their own."""
-        own = getattr(getattr(self, "axes", None), "__dict__", {})
-        return [q for q in (self.value, *own.values()) if isinstance(q, Quantity)]
+        return not self.density and any(per_root_hertz(one.unit) for one in self.sizes)
 
 
 class StabilityValue(ProcessValue):
@@ -488,65 +514,66 @@ class StabilityValue(ProcessValue):
         default=None, description="at which the Allan curve is lowest"
     )
 
-    @model_validator(mode="after")
-    def _check_definition(self) -> Self:
-        is_floor = self.definition == "allan_minimum"
-        if is_floor and SIGMAS.get(self.meaning, 1.0) != 1.0:
-            message = (
-                f"found 'allan_minimum' with meaning {self.meaning!r}; a point of the "
-                "Allan curve is 1 sigma, expected that meaning"
-            )
-            raise faults({("definition",): message})
-        floor, time = self.averaging_time, self.correlation_time
-        if floor and not is_floor:
-            message = (
-                "is of a floor of the Allan curve, expected definition: allan_minimum "
-                "beside it; or remove it"
-            )
-            raise faults({("averaging_time",): message})
-        if floor and time and time.value < floor.value:
-            message = (
-                f"found {time.printed!r}, below the {floor.printed!r} at which the "
-                "Allan curve is lowest, expected that time or more: a Gauss-Markov "
-                "process of a shorter one is on its way down there. Remove it, and the "
-                "floor is taken as that of flicker noise"
-            )
-            raise faults({("correlation_time",): message})
-        if len({part.is_flicker for part in self._parts()}) > 1:
-            message = (
-                "is flicker noise (allan_minimum without a correlation time) on some "
-                "axes and a Gauss-Markov process on others, expected one of them; say "
-                "definition and correlation_time of every axis alike"
-            )
-            raise faults({("axes",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "definition",
+            lambda it: it.definition == FLOOR and SIGMAS.get(it.meaning, 1.0) != 1.0,
+            "found 'allan_minimum' with meaning {meaning!r}; a point of the Allan "
+            "curve is 1 sigma, expected that meaning",
+        ),
+        Rule(
+            "averaging_time",
+            lambda it: it.averaging_time and it.definition != FLOOR,
+            "is of a floor of the Allan curve, expected definition: allan_minimum "
+            "beside it; or remove it",
+        ),
+        Rule(
+            "correlation_time",
+            lambda it: (
+                it.averaging_time
+                and it.correlation_time
+                and it.correlation_time.value < it.averaging_time.value
+            ),
+            "found {correlation_time!r}, below the {averaging_time!r} at which the "
+            "Allan curve is lowest, expected that time or more: a Gauss-Markov process "
+            "of a shorter one is on its way down there. Remove it, and the floor is "
+            "taken as that of flicker noise",
+        ),
+        Rule(
+            "axes",
+            lambda it: len({part.is_flicker for part in it.parts}) > 1,
+            "is flicker noise (allan_minimum without a correlation time) on some axes "
+            "and a Gauss-Markov process on others, expected one of them; say "
+            "definition and correlation_time of every axis alike",
+        ),
+    )
 
     @property
     def is_flicker(self) -> bool:
         """Whether it is the floor of a curve, and nothing tells of another process."""
-        return self.definition == "allan_minimum" and self.correlation_time is None
+        return self.definition == FLOOR and self.correlation_time is None
 
-    def _parts(self) -> list[StabilityValue]:
-        """Return what speaks for the axes: mappings of their own, and the line."""
-        axes = vars(getattr(self, "axes", None) or self).values()
+    @property
+    def parts(self) -> list[StabilityValue]:
+        """What speaks for the axes: mappings of their own, and the line."""
+        axes = self.by_axis.values()
         own = [one for one in axes if isinstance(one, StabilityValue)]
         return own if own and len(own) == len(axes) else [self, *own]
 
-    def curve(self) -> _Form:
+    def form(self) -> _Form:
         """Return flicker noise, whose Allan deviation is 0.664 B at its floor."""
-        parts = self._parts()
-        floors = [one.averaging_time for one in parts if one.averaging_time]
+        floors = [one.averaging_time for one in self.parts if one.averaging_time]
         shortest = min(floors, key=lambda one: one.value, default=None)
         says = (("averaging_time", shortest.printed),) if shortest else ()
-        if not all(part.is_flicker for part in parts):
+        if not all(part.is_flicker for part in self.parts):
             return _Form(says=says)
         return _Form(
             form=FLICKER,
             factor=1.0 / ALLAN_MINIMUM,
             reading=1.0 / ALLAN_MINIMUM,
             low_cut=LOW_CUT,
-            says=(("definition", "allan_minimum"), *says),
-            definition="allan_minimum",
+            says=(("definition", FLOOR), *says),
+            definition=FLOOR,
             notes=(
                 sentence("values.floor_as_flicker", minimum=ALLAN_MINIMUM),
                 sentence("values.low_cut"),
@@ -566,19 +593,21 @@ class FlickerValue(ProcessValue):
         default=None, description="below which it has no power; unset: once a day"
     )
 
-    def curve(self) -> _Form:
+    def form(self) -> _Form:
         """Return its coefficient and its low cut."""
-        low = f"{LOW_CUT!r} Hz" if self.low_cut is None else self.low_cut.printed
-        is_minimum = self.definition == "allan_minimum"
-        reading = 1.0 / ALLAN_MINIMUM if is_minimum else 1.0
+        own = self.low_cut
+        reading = 1.0 / ALLAN_MINIMUM if self.definition == FLOOR else 1.0
         return _Form(
             factor=reading,
             reading=reading,
-            low_cut=LOW_CUT if self.low_cut is None else self.low_cut.value,
-            says=(("definition", self.definition), ("low_cut", low)),
+            low_cut=own.value if own else LOW_CUT,
+            says=(
+                ("definition", self.definition),
+                ("low_cut", own.printed if own else f"{LOW_CUT!r} Hz"),
+            ),
             definition=f"{self.definition}, no power below "
-            + ("once a day" if self.low_cut is None else low),
-            notes=(sentence("values.low_cut"),) if self.low_cut is None else (),
+            + (own.printed if own else "once a day"),
+            notes=() if own else (sentence("values.low_cut"),),
         )
 
 
@@ -587,17 +616,23 @@ class Whole(SpecificationValue):
 
     axes: Strict | None = None
 
-    @model_validator(mode="after")
-    def _check_axes(self) -> Self:
-        if self.value is not None:
-            return self
-        if self.axes is None:
-            raise faults({(): "names neither value nor axes, expected one of them"})
-        absent = [a for a in type(self.axes).model_fields if not getattr(self.axes, a)]
-        if absent:
-            message = f"without value, expected all axes; missing: {', '.join(absent)}"
-            raise faults({("axes",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            (),
+            lambda it: it.value is None and it.axes is None,
+            "names neither value nor axes, expected one of them",
+        ),
+        Rule(
+            "axes",
+            lambda it: it.value is None and it.absent,
+            "without value, expected all axes; missing: {absent}",
+        ),
+    )
+
+    @property
+    def absent(self) -> str:
+        """The axes that a mapping of them does not name."""
+        return ", ".join(axis for axis, one in self.by_axis.items() if not one)
 
 
 class Open(Whole):
@@ -605,44 +640,50 @@ class Open(Whole):
 
     reading: tuple[str, ...] = ()
 
-    @model_validator(mode="after")
-    def _check_readings(self) -> Self:
-        """Refuse words that do not leave one thing open, or that the line says."""
-        words = self.reading
+    def _faults(self) -> dict[tuple[str | int, ...], str]:
+        """Return what is wrong with words that do not leave one thing open."""
+        words, own = self.reading, [*self.by_axis.values()]
         if not words:
-            return self
+            return super()._faults()
         keys = [key for key, group in READINGS if {*words} <= {*group}]
-        own = [*vars(self.axes).values()] if self.axes else []
-        message = ""
-        if len({*words}) < max(2, len(words)):
-            message = (
-                f"found {', '.join(words)}, expected two different words at the least; "
-                "what is known is said by its own key"
-            )
-        elif not keys:
-            groups = "; ".join(", ".join(group) for _, group in READINGS)
-            message = (
-                f"found {', '.join(words)}, expected words that exclude one another: "
-                f"{groups}"
-            )
-        elif keys[0] in self.model_fields_set:
-            message = f"leaves open what {keys[0]!r} says, expected one of them"
-        elif any(isinstance(one, SpecificationValue) for one in own):
-            message = (
-                "is of the whole line, and an axis is a mapping of its own; give the "
-                "axes as values"
-            )
-        elif "max" in words and getattr(self, "distribution", None) == "normal":
-            message = "may be 'max', a half-width, which is never 'normal'; remove that"
-        elif keys[0] == "density" and not all(
-            per_root_hertz(quantity.unit)
-            for quantity in (self.value, *own)
-            if isinstance(quantity, Quantity)
-        ):
-            message = "is of a value per root of hertz; this is the random walk itself"
-        if message:
-            raise faults({("reading",): message})
-        return self
+        key = keys[0] if keys else ""
+        found = f"found {', '.join(words)}, expected"
+        groups = "; ".join(", ".join(group) for _, group in READINGS)
+        tests = (
+            (
+                len({*words}) < max(2, len(words)),
+                (
+                    f"{found} two different words at the least; what is known is said "
+                    "by its own key"
+                ),
+            ),
+            (not keys, f"{found} words that exclude one another: {groups}"),
+            (
+                key in self.model_fields_set,
+                f"leaves open what {key!r} says, expected one of them",
+            ),
+            (
+                any(isinstance(one, SpecificationValue) for one in own),
+                (
+                    "is of the whole line, and an axis is a mapping of its own; give "
+                    "the axes as values"
+                ),
+            ),
+            (
+                "max" in words and self.distribution == "normal",
+                "may be 'max', a half-width, which is never 'normal'; remove that",
+            ),
+            (
+                key == "density"
+                and not all(per_root_hertz(one.unit) for one in self.sizes),
+                "is of a value per root of hertz; this is the random walk itself",
+            ),
+        )
+        wrong = [text for is_wrong, text in tests if is_wrong]
+        said: dict[tuple[str | int, ...], str] = (
+            {("reading",): wrong[0]} if wrong else {}
+        )
+        return {**super()._faults(), **said}
 
 
 class Residual(ConstantValue, Whole):
@@ -673,24 +714,22 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
 def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
     """Return what a value of that line may mean: lists of words that exclude others."""
     fields = _family(line, sensor).model_fields
-    places = (
-        {"definition": get_args(fields["definition"].annotation)}
-        if ("definition" in fields)
-        else {}
+    definition = fields.get("definition")
+    fits: dict[str, Callable[[tuple[str, ...]], object]] = {
+        "definition": lambda group: (
+            definition and {*group} <= {*get_args(definition.annotation)}
+        ),
+        "": lambda group: (
+            line.axes == AXES
+            if group == (PER_AXIS, TOGETHER)
+            else line.over_temperature and _usual_word(line) == group[0]
+        ),
+    }
+    return tuple(
+        group
+        for key, group in READINGS
+        if (fits[key](group) if key in fits else key in fields)
     )
-    found = []
-    for key, group in READINGS:
-        if key == "definition":
-            fits = {*group} <= {*places.get(key, ())}
-        elif key:
-            fits = key in fields
-        elif group == (PER_AXIS, TOGETHER):
-            fits = line.axes == AXES
-        else:
-            fits = bool(line.over_temperature) and _usual_word(line) == group[0]
-        if fits:
-            found.append(group)
-    return tuple(found)
 
 
 def beside_of(line: Source, sensor: str) -> str:
@@ -759,18 +798,13 @@ def _under(
     line: Source, sensor: str, given: SpecificationValue, word: str
 ) -> ReadValue:
     """Read a value under one of its readings."""
-    says: dict[str, object] = {"reading": ()}
-    if word in MEANING_READINGS:
-        says["meaning"] = word
-    elif word in SIDES:
-        says["density"] = word
-    elif word == OVER_TEMPERATURE:
+    if word == OVER_TEMPERATURE:
         other = source_of(sensor, line.over_temperature)
         same = ("value", "axes", "meaning", "includes", "condition", "source")
         kept = {key: getattr(given, key) for key in same}
         return _read(other, sensor, Residual.model_construct(**kept))
-    elif word not in {PER_AXIS, TOGETHER, _usual_word(line)}:
-        says["definition"] = word
+    key = next(key for key, group in READINGS if word in group)
+    says: dict[str, object] = {"reading": (), **({key: word} if key else {})}
     part = given.model_copy(update=says)
     part.model_fields_set.update(says)
     one = _read(line, sensor, part)
@@ -802,7 +836,8 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     """
     family = _family(line, sensor)
     part = family(value=given) if isinstance(given, Quantity) else given
-    axes = [_axis(part, axis) for axis in line.axes]
+    named = line.axes if part.by_axis else line.axes[:1]
+    axes = [_axis(part, axis) for axis in named] * (len(line.axes) // len(named))
     notes = list(dict.fromkeys(text for a in axes for text in a.notes))
     key = Name(line.name, owner=sensor)
     assumptions = [
@@ -826,7 +861,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         return ", ".join(f"{axis} {word}" for axis, word in named if word)
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
-    form = part.curve() if isinstance(part, FORMED) else _Form()
+    form = part.form()
     given_keys = {one: getattr(part, one.name, None) for one in line.keys}
     unsaid = [one.name for one, quantity in given_keys.items() if quantity is None]
     form_notes = [
@@ -927,7 +962,7 @@ def _value_type(
     """
     value = Annotated[Quantity, measured]
     title = f"{family.__name__.removesuffix('Value')} in {measured.like}"
-    text = OrText(measured, family.besides)
+    text = or_text(measured, family.besides)
     if axes == ONE_VALUE:
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, text]
@@ -936,7 +971,7 @@ def _value_type(
     reading = {"reading": (tuple[Literal[readings], ...], Field((), description=says))}  # type: ignore[valid-type]
     one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
     by_axis = mapping_of(
-        f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, OrText(measured)])
+        f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, or_text(measured)])
     )
     fields: dict[str, Any] = {
         **(reading if readings else {}),
@@ -968,14 +1003,6 @@ def _value_type(
     return Annotated[whole, text]
 
 
-FORMED = (
-    NonlinearityValue
-    | RateAsymmetry
-    | SampleNoiseValue
-    | StabilityValue
-    | FlickerValue
-    | AgeingValue
-)
 # What a file may say of values that are more than those of a constant or a process, by
 # the word of the row; where sensors differ, of a gyro and of an accelerometer.
 FAMILIES: Mapping[str, tuple[type[SpecificationValue], ...]] = {
@@ -1017,58 +1044,6 @@ class _Axis:
     notes: tuple[str, ...]  # what was assumed
 
 
-def _axis(given: SpecificationValue, axis: str) -> _Axis:
-    """Return what a specification value says about one axis."""
-    axes = given.axes if isinstance(given, Whole) else None
-    own: SpecificationValue | Quantity | None = getattr(axes, axis, None)
-    part = own if isinstance(own, SpecificationValue) else given
-    # Whole lets no value pass that leaves an axis without a value.
-    quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
-    notes: list[str] = []
-    if isinstance(own, SpecificationValue):
-        stated = {
-            *("meaning", "distribution", "definition", "correlation_time", "density"),
-            "averaging_time",
-        }
-        lost = sorted((given.model_fields_set - own.model_fields_set) & stated)
-        if lost:
-            notes.append(sentence("values.own_mapping", lost=lost))
-    level = _level(part, quantity)
-    u = level.u
-    notes += level.notes
-    definition, correlation_time = "", None
-    if isinstance(part, StabilityValue) and not part.is_flicker:
-        definition = part.definition if "definition" in part.model_fields_set else ""
-        if definition == "allan_minimum":
-            u /= ALLAN_MINIMUM
-            notes.append(sentence("values.floor_as_sigma", minimum=ALLAN_MINIMUM))
-        correlation_time = CORRELATION_TIME
-        if part.correlation_time is not None:
-            correlation_time = part.correlation_time.value
-        else:
-            notes.append(sentence("values.correlation_time", time=CORRELATION_TIME))
-    return _Axis(
-        part=part,
-        quantity=quantity,
-        u=u,
-        shape=level.shape,
-        density=level.density,
-        definition=definition,
-        correlation_time=correlation_time,
-        notes=tuple(notes),
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Level:
-    """What a value is as a standard uncertainty, of a density as a random walk."""
-
-    u: float  # [SI]
-    shape: Distribution
-    density: str
-    notes: list[str]  # what was assumed
-
-
 def divisor(meaning: str, shape: Distribution) -> float:
     """Return what is printed over the standard uncertainty that it means [1].
 
@@ -1081,26 +1056,47 @@ def divisor(meaning: str, shape: Distribution) -> float:
     return own / HALF_WIDTHS[meaning]
 
 
-def _level(part: SpecificationValue, quantity: Quantity) -> _Level:
-    """Return the standard uncertainty that a value means."""
-    notes: list[str] = []
-    density = ""
+def _axis(given: SpecificationValue, axis: str) -> _Axis:
+    """Return what a specification value says about one axis."""
+    own: SpecificationValue | Quantity | None = given.by_axis.get(axis)
+    part = own if isinstance(own, SpecificationValue) else given
+    # Whole lets no value pass that leaves an axis without a value.
+    quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
+    lost = given.model_fields_set - part.model_fields_set
+    is_bound, is_process = part.meaning in HALF_WIDTHS, isinstance(part, ProcessValue)
+    usual = "uniform" if is_bound and not is_process else "normal"
+    shape = BY_NAME[part.distribution or usual]
+    density, open_density = "", False
     if isinstance(part, WalkValue) and per_root_hertz(quantity.unit):
-        density = part.density or TWO_SIDED
-        if part.density is None:
-            notes.append(sentence("values.density"))
-    if part.meaning in HALF_WIDTHS and isinstance(part, ProcessValue):
-        shape = NORMAL
-        notes.append(sentence("values.bound", meaning=part.meaning))
-    elif part.meaning in HALF_WIDTHS:
-        shape = BY_NAME[part.distribution or "uniform"]
-        if part.distribution is None:
-            notes.append(sentence("values.uniform", meaning=part.meaning))
-    else:
-        shape = BY_NAME[part.distribution or "normal"]
-        if part.meaning == "typical":
-            notes.append(sentence("values.typical"))
-    u = quantity.value / divisor(part.meaning, shape)
-    return _Level(
-        u=u * WALK_PER_DENSITY[density], shape=shape, density=density, notes=notes
+        density, open_density = part.density or TWO_SIDED, part.density is None
+    definition, time, no_time = "", None, False
+    if isinstance(part, StabilityValue) and not part.is_flicker:
+        definition = part.definition if "definition" in part.model_fields_set else ""
+        no_time = part.correlation_time is None
+        time = CORRELATION_TIME
+        if part.correlation_time is not None:
+            time = part.correlation_time.value
+    notes: tuple[tuple[object, str, dict[str, Any]], ...] = (
+        (lost & STATED, "values.own_mapping", {"lost": sorted(lost & STATED)}),
+        (open_density, "values.density", {}),
+        (is_bound and is_process, "values.bound", {"meaning": part.meaning}),
+        (
+            usual == "uniform" and part.distribution is None,
+            "values.uniform",
+            {"meaning": part.meaning},
+        ),
+        (part.meaning == "typical", "values.typical", {}),
+        (definition == FLOOR, "values.floor_as_sigma", {"minimum": ALLAN_MINIMUM}),
+        (no_time, "values.correlation_time", {"time": CORRELATION_TIME}),
+    )
+    u = quantity.value / divisor(part.meaning, shape) * WALK_PER_DENSITY[density]
+    return _Axis(
+        part=part,
+        quantity=quantity,
+        u=u / ALLAN_MINIMUM if definition == FLOOR else u,
+        shape=shape,
+        density=density,
+        definition=definition,
+        correlation_time=time,
+        notes=tuple(sentence(key, **says) for is_so, key, says in notes if is_so),
     )

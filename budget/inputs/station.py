@@ -2,37 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
-from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import core_schema
+from pydantic import AfterValidator, Field
 
 from budget.inputs.checking import check, nearest
 from budget.inputs.fields import (
+    Or,
+    Rule,
+    Ruled,
     ShortText,
     Strict,
+    either,
     fault,
-    faults,
     mapping_of,
+    not_rising,
 )
 from budget.inputs.files import exists, find, shipped_names
 from budget.inputs.reader import refuse
 from budget.inputs.records import Origin, Station
 from budget.inputs.specification import Time, read_value, value_type
-from budget.inputs.tree import all_of, describe
+from budget.inputs.tree import describe
 from budget.inputs.use import (
     IN_TEST,
     LINES,
     NONE,
     OPTION,
     Age,
-    OrPart,
     of_the_test,
+    or_part,
     read_age,
     read_environment,
     refuse_two,
@@ -46,11 +48,7 @@ from budget.names import MISSION, Name, keys_of, words
 from budget.sentences import sentence
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic.json_schema import JsonSchemaValue
-    from pydantic_core import CoreSchema
+    from collections.abc import Callable, Mapping
 
     from budget.inputs.files import NamedFile
     from budget.inputs.records import Procedure
@@ -64,40 +62,47 @@ LONGEST_NAME = 200  # of a file
 MOST_POINTS = 100  # of soaks in one test
 
 
-class Timed(Strict):
+# By what stands beside it, a time: the value that needs it.
+_TIMED = {
+    beside: keys_of(one.name)[-1]
+    for one in lines_of(ENVIRONMENT)
+    for beside in (one.time, one.points)
+    if beside
+}
+
+
+class Timed(Ruled):
     """A level of station or environment, some of whose values need a time beside."""
 
-    @model_validator(mode="after")
-    def _check_times(self) -> Self:
-        times = {
-            beside: one
-            for one in lines_of(ENVIRONMENT)
-            for beside in (one.time, one.points)
-            if beside
-        }
-        found = {}
-        for time in [time for time in times if time in type(self).model_fields]:
-            key = keys_of(times[time].name)[-1]
-            value, of = getattr(self, key), getattr(self, time)
-            if value is not None and of is None:
-                found[key,] = f"stands without {time}, expected that beside it"
-            if value is None and of is not None:
-                found[time,] = (
-                    f"is of {key}, which is not there; add it, or remove this"
-                )
-        if found:
-            raise faults(found)
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = tuple(
+        rule
+        for time, key in _TIMED.items()
+        for rule in (
+            Rule(
+                key,
+                lambda it, time=time, key=key: (
+                    time in type(it).model_fields
+                    and getattr(it, time) is None
+                    and getattr(it, key) is not None
+                ),
+                f"stands without {time}, expected that beside it",
+            ),
+            Rule(
+                time,
+                lambda it, time=time, key=key: (
+                    getattr(it, time, None) is not None and getattr(it, key) is None
+                ),
+                f"is of {key}, which is not there; add it, or remove this",
+            ),
+        )
+    )
 
 
 def _check_rising(times: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
     """Refuse times that do not rise."""
-    for one, after in pairwise(times):
-        if after.value <= one.value:
-            raise fault(
-                f"found {after.printed!r} after {one.printed!r}, expected times "
-                "that rise"
-            )
+    says = "found {after!r} after {one!r}, expected times that rise"
+    for text in not_rising(times, "", says).values():
+        raise fault(text)
     return times
 
 
@@ -116,7 +121,7 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
 
 def environment_type() -> Any:  # noqa: ANN401
     """Return the type of an environment, which may be none."""
-    return Annotated[surroundings_type(ENVIRONMENT), OrPart(words=((NONE, IN_TEST),))]
+    return Annotated[surroundings_type(ENVIRONMENT), or_part(words={NONE: IN_TEST})]
 
 
 def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
@@ -162,36 +167,20 @@ def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str
     )
 
 
-@dataclass(frozen=True)
-class OrFile:
-    """Beside the mapping it annotates, the name of a station file."""
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-
-        def read(
-            value: object, mapping: core_schema.ValidatorFunctionWrapHandler
-        ) -> object:
-            if not isinstance(value, str):
-                return mapping(value)
-            if not value.strip() or len(value) > LONGEST_NAME or "\x00" in value:
-                message = "is no file name, expected one, or a mapping of keys"
-                raise fault(message)
-            return value
-
-        return core_schema.no_info_wrap_validator_function(read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe either."""
-        name = {"type": "string", "description": "a station file, or a shipped one"}
-        return {"anyOf": [name, handler(schema["schema"])]}
+def _read_file(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+    """Read a mapping, or the name of a station file."""
+    if not isinstance(value, str):
+        return mapping(value)
+    if not value.strip() or len(value) > LONGEST_NAME or "\x00" in value:
+        raise fault("is no file name, expected one, or a mapping of keys")
+    return value
 
 
-class StationFile(Strict):
+_NAME = {"type": "string", "description": "a station file, or a shipped one"}
+OR_FILE = Or(_read_file, lambda schema: either(_NAME, schema))
+
+
+class StationFile(Ruled):
     """A test station: what is not known of its table, its place and its environment."""
 
     format: Literal["budget-station/1"] = "budget-station/1"
@@ -204,12 +193,13 @@ class StationFile(Strict):
         description="what changes during the calibration; unset: nothing",
     )
 
-    @model_validator(mode="after")
-    def _check_parts(self) -> Self:
-        if self.station is None:
-            message = "is missing, expected its figures; of an ideal one 'station: {}'"
-            raise faults({("station",): message})
-        return self
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "station",
+            lambda it: it.station is None,
+            "is missing, expected its figures; of an ideal one 'station: {{}}'",
+        ),
+    )
 
 
 def read_station(document: YamlFile) -> Station:
@@ -291,14 +281,13 @@ def station_file(document: YamlFile) -> NamedFile:
     beside = Path(document.file).parent / name
     file = find(beside if exists(beside) else name, STATION)
     if not exists(file.path):
-        node = document.root.nearest((STATION,))
         known = shipped_names(STATION)
         message = (
             f"found {describe(name)}, expected a station file, beside this one or "
             f"where the command runs, or a shipped one: {', '.join(known)}"
             f"{nearest(name, known)}"
         )
-        raise all_of([document.issue(node, message)])
+        raise document.refuse(((STATION,), message))
     return file
 
 
@@ -450,7 +439,7 @@ def _mapping(
             level = _mapping(f"{title} {key}", owner, branch)
             # 'temperature: 20 degC' is that of the use, as in a requirement.
             is_stated = MISSION in branch and branch[MISSION].name in LINES
-            fields[key] = Annotated[level, OrPart(key=MISSION)] if is_stated else level
+            fields[key] = Annotated[level, or_part(key=MISSION)] if is_stated else level
         else:
             source: Source = branch
             is_age = source.name == AGE

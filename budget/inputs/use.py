@@ -14,11 +14,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, Field
-from pydantic_core import core_schema
 
 from budget.errors import CallError, UnitError
-from budget.inputs.course import Known, SizeOrCourse, TemperaturePart, VibrationPart
-from budget.inputs.fields import fault, mapping_of
+from budget.inputs.course import (
+    KnownCourse,
+    SizeOrCourse,
+    TemperaturePart,
+    VibrationPart,
+)
+from budget.inputs.fields import Or, either, fault, mapping_of
 from budget.inputs.specification import read_value, value_type
 from budget.inputs.tree import describe
 from budget.language import term
@@ -29,11 +33,7 @@ from budget.sentences import sentence
 from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-    from pydantic.json_schema import JsonSchemaValue
-    from pydantic_core import CoreSchema
+    from collections.abc import Callable, Iterable, Mapping
 
     from budget.inputs.records import ErrorLine, Mission, Procedure, Requirement
 
@@ -49,62 +49,44 @@ COURSE = term("known at every time")  # meaning of a course
 OPTION = {"environment": "--environment", "age": "--age"}  # how a call states it
 
 
-@dataclass(frozen=True)
-class OrPart:
-    """Beside the mapping it annotates, a value alone that is of one key in it.
+def or_part(key: str = "", words: Mapping[str, Mapping[str, str]] | None = None) -> Or:
+    """Allow, beside a mapping, a value alone that is of one key in it.
 
-    Attributes
+    Parameters
     ----------
     key : str
         Of a text in the place of the mapping.
     words : mapping of str to mapping
         Texts that stand for a whole mapping.
     """
+    whole = words or {}
 
-    key: str = ""
-    words: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
-
-    def read(self, value: object) -> object:
-        """Return the mapping that a value means."""
-        whole = dict(self.words)
-        if isinstance(value, str) and value.strip().casefold() in whole:
-            return dict(whole[value.strip().casefold()])
-        if self.key and isinstance(value, str | int | float):
-            return {self.key: value}
+    def read(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+        if isinstance(value, str) and (word := value.strip().casefold()) in whole:
+            return mapping({**whole[word]})
+        if key and isinstance(value, str | int | float):
+            return mapping({key: value})
         if whole and not isinstance(value, dict):
-            allowed = " or ".join(whole)
             raise fault(
-                f"found {describe(value)}, expected {allowed}, or a mapping such as "
-                "{temperature: 20 degC, vibration: 1 g}"
+                f"found {describe(value)}, expected {' or '.join(whole)}, or a mapping "
+                "such as {temperature: 20 degC, vibration: 1 g}"
             )
-        return value
+        return mapping(value)
 
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-        return core_schema.no_info_before_validator_function(self.read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Describe either."""
-        mapping = handler(schema["schema"])
-        if self.words:
-            return {"anyOf": [{"enum": [word for word, _ in self.words]}, mapping]}
-        return {"anyOf": [{"type": "string"}, mapping]}
+    alone = {"enum": [*whole]} if whole else {"type": "string"}
+    return Or(read, lambda schema: either(alone, schema))
 
 
-IN_TEST = tuple((key, zero) for key, (_, zero) in STATED.items())
-_NONE = tuple((key, zero) for key, (_, zero) in STATED.items() if key != AGE)
+IN_TEST = {key: zero for key, (_, zero) in STATED.items()}
+_NONE = {key: zero for key, zero in IN_TEST.items() if key != AGE}
 _VALUES = {
     key: value_type(source_of(ENVIRONMENT, line), ENVIRONMENT)
     for key, (line, _) in STATED.items()
 }
 # As a requirement or a mission states them.
 Environment: Any = Annotated[
-    mapping_of("use", {key: _VALUES[key] for key, _ in _NONE}),
-    OrPart(words=((NONE, _NONE),)),
+    mapping_of("use", {key: _VALUES[key] for key in _NONE}),
+    or_part(words={NONE: _NONE}),
 ]
 # As a mission does, whose temperature and vibration may be known on the way.
 OnTheWay: Any = Annotated[
@@ -124,7 +106,7 @@ OnTheWay: Any = Annotated[
             ],
         },
     ),
-    OrPart(words=((NONE, _NONE),)),
+    or_part(words={NONE: _NONE}),
 ]
 _SAYS = (
     "that it is used in: temperature, difference from that of the "
@@ -154,7 +136,7 @@ def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:
 
     No environment means no time since the test either, where no age is given.
     """
-    given: dict[str, Any] = {key: getattr(environment, key, None) for key, _ in _NONE}
+    given: dict[str, Any] = {key: getattr(environment, key, None) for key in _NONE}
     given["age"] = age
     if age is None and is_none(environment):
         given["age"] = parse_quantity("0 s", "s")
@@ -165,7 +147,7 @@ def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:
 
 def is_none(environment: object) -> bool:
     """Say whether an environment is that of the test in all that can be stated."""
-    found = [getattr(environment, key, None) for key, _ in _NONE]
+    found = [getattr(environment, key, None) for key in _NONE]
     # In a procedure each stands in a mapping beside what is of the test.
     found = [getattr(one, MISSION, one) for one in found]
     return all(isinstance(one, Quantity) and one.value == 0.0 for one in found)
@@ -174,7 +156,7 @@ def is_none(environment: object) -> bool:
 def stated_line(key: str, value: Any) -> ErrorLine:  # noqa: ANN401
     """Return the line of the environment that a value states."""
     source = source_of(ENVIRONMENT, STATED[key][0])
-    if not isinstance(value, Known):
+    if not isinstance(value, KnownCourse):
         return read_value(source, ENVIRONMENT, value).line
     one = parse_quantity(f"1 {value.unit}", source.like(ENVIRONMENT))
     size = value.course.largest
@@ -195,14 +177,12 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
     CallError
         It says neither.
     """
-    if text.strip().casefold() == NONE:
-        return stated_lines(
-            Stated(**{key: _of(key, zero) for key, zero in _NONE}), None
-        )
-    found: dict[str, Quantity] = {}
-    for part in text.strip().strip("{}").split(","):
+    is_none = text.strip().casefold() == NONE
+    every = IN_TEST if is_none else {}
+    found = {key: _of(key, zero) for key, zero in every.items()}
+    for part in () if is_none else text.strip().strip("{}").split(","):
         key, _, value = part.strip().replace("=", " ").replace(":", " ").partition(" ")
-        if key not in dict(_NONE) or key in found:
+        if key not in _NONE or key in found:
             raise CallError(
                 f"environment: found {part.strip()!r}{' again' if key in found else ''}"
                 f" in {text!r}, expected the one word none, or temperature and "
@@ -214,7 +194,7 @@ def read_environment(text: str) -> tuple[ErrorLine, ...]:
 
 @dataclass(frozen=True)
 class Stated:
-    """An environment as a call states it, or as it is known on the way."""
+    """An environment as it is known on the way."""
 
     temperature: object = None
     vibration: object = None
@@ -298,6 +278,9 @@ def in_use(
             refuse_two(other, where, line, file.origin.file if file else "")
             stated[line.name] = line, file.origin.file if file else ""
             new[line.name] = line
+    there = {id(line) for line in procedure.environment}
+    if {id(line) for line in new.values()} <= there:
+        return procedure
     return with_use(procedure, new.values())
 
 

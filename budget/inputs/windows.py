@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 from math import degrees, isclose, pi, remainder
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from budget.inputs.fields import Checked, Measured, Sign, faults
+from budget.inputs.fields import Group, Measured, Rule, Ruled, Sign, faults
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
 from budget.units import Quantity
@@ -34,7 +34,7 @@ Time = Annotated[Quantity, Measured("s", bare=True)]
 Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
 
 
-class WindowLine(Checked):
+class WindowLine(Ruled):
     """A dwell or a turn, at a face held up or down or at angles of the table."""
 
     face: FaceWord | None = Field(
@@ -70,54 +70,82 @@ class WindowLine(Checked):
         default="both", description="whose readings are averaged"
     )
 
-    def _faults(self) -> dict[tuple[str, ...], str]:
-        """Return what is wrong with it."""
-        return {**self._attitude_faults(), **self._time_faults()}
-
-    def _attitude_faults(self) -> dict[tuple[str, ...], str]:
-        """Return what is wrong with how the table stands."""
-        angles = [key for key in ANGLES if getattr(self, key) is not None]
-        found: dict[tuple[str, ...], str] = {}
-        if self.face is None and not angles:
-            found["face",] = (
-                "says not how the table stands, expected a face, as 'face: z up', or "
-                "table angles, as 'outer: 0 deg'"
+    rules: ClassVar[tuple[Rule, ...]] = (
+        Rule(
+            "face",
+            lambda it: not it.face and not it.angles,
+            "says not how the table stands, expected a face, as 'face: z up', or table "
+            "angles, as 'outer: 0 deg'",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: it.face and it.angles[:1] == [key],
+                "stands beside a face, which says it already; remove it",
             )
-        if self.face is not None and angles:
-            found[angles[0],] = "stands beside a face, which says it already; remove it"
-        for key in ("azimuth", "azimuths"):
-            if getattr(self, key) is not None and self.face is None:
-                found[key,] = "needs a face beside it; table angles have outer"
-        if self.azimuths is not None:
-            if self.azimuth is not None:
-                found["azimuth",] = "stands beside azimuths; remove one of them"
-            if not 1 <= len(self.azimuths) <= MOST_WINDOWS:
-                found["azimuths",] = (
-                    f"names {len(self.azimuths)} azimuths, expected 1 to {MOST_WINDOWS}"
-                )
-        return found
-
-    def _time_faults(self) -> dict[tuple[str, ...], str]:
-        """Return what is wrong with how long it takes."""
-        found: dict[tuple[str, ...], str] = {}
-        if self.turn is None:
-            if self.dwell is None:
-                found["dwell",] = (
-                    "says not how long, expected a dwell, as 'dwell: 60 s', or a turn"
-                )
-            for key in ("turns", "rate", "back"):
-                if getattr(self, key) not in {None, False}:
-                    found[key,] = "needs the axis of a turn, as 'turn: vertical'"
-            return found
-        if self.dwell is not None:
-            found["dwell",] = "stands beside a turn, whose rate says how long it takes"
-        if self.rate is None:
-            found["rate",] = (
-                "has a turn without rate, expected such as 'rate: 10 deg/s'"
+            for key in ANGLES
+        ),
+        Rule(
+            "azimuth",
+            lambda it: it.azimuth and it.azimuths is not None,
+            "stands beside azimuths; remove one of them",
+        ),
+        Rule(
+            "azimuths",
+            lambda it: (
+                it.azimuths is not None and not 1 <= len(it.azimuths) <= MOST_WINDOWS
+            ),
+            f"names {{count}} azimuths, expected 1 to {MOST_WINDOWS}",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: getattr(it, key) is not None and not it.face,
+                "needs a face beside it; table angles have outer",
             )
-        if not self.turns:
-            found["turns",] = "is no whole turn, expected such as turns: 1 or -1"
-        return found
+            for key in ("azimuth", "azimuths")
+        ),
+        Rule(
+            "dwell",
+            lambda it: not it.turn and not it.dwell,
+            "says not how long, expected a dwell, as 'dwell: 60 s', or a turn",
+        ),
+        *(
+            Rule(
+                key,
+                lambda it, key=key: (
+                    not it.turn and getattr(it, key) not in {None, False}
+                ),
+                "needs the axis of a turn, as 'turn: vertical'",
+            )
+            for key in ("turns", "rate", "back")
+        ),
+        Rule(
+            "dwell",
+            lambda it: it.turn and it.dwell,
+            "stands beside a turn, whose rate says how long it takes",
+        ),
+        Rule(
+            "rate",
+            lambda it: it.turn and not it.rate,
+            "has a turn without rate, expected such as 'rate: 10 deg/s'",
+        ),
+        Rule(
+            "turns",
+            lambda it: it.turn and not it.turns,
+            "is no whole turn, expected such as turns: 1 or -1",
+        ),
+    )
+
+    @property
+    def angles(self) -> list[str]:
+        """The angles of the table that it gives."""
+        return [key for key in ANGLES if getattr(self, key) is not None]
+
+    @property
+    def count(self) -> int:
+        """How many azimuths it names."""
+        return len(self.azimuths or ())
 
     @property
     def number(self) -> int:
@@ -181,36 +209,13 @@ class WindowLine(Checked):
         return f"turn {self.turns:+d} {self.turn} at {text}"
 
 
-class WindowItem(WindowLine):
+class WindowItem(Group, WindowLine):
     """A line, or a group of lines that is repeated as a whole."""
 
+    key: ClassVar = "windows"
     windows: tuple[WindowLine, ...] | None = Field(
         default=None, description="a group; repeat beside it is of the whole"
     )
-
-    def _faults(self) -> dict[tuple[str, ...], str]:
-        """Return what is wrong with it."""
-        if self.windows is None:
-            return super()._faults()
-        found: dict[tuple[str, ...], str] = {
-            (key,): "stands beside a group of windows; say it in its lines"
-            for key in sorted(self.model_fields_set - {"windows", "repeat"})
-        }
-        if not self.windows:
-            found["windows",] = "names no window, expected one at least"
-        return found
-
-    @property
-    def lines(self) -> tuple[WindowLine, ...]:
-        """The lines of a group; itself where it is none."""
-        return (self,) if self.windows is None else self.windows
-
-    @property
-    def number(self) -> int:
-        """How many windows it stands for."""
-        if self.windows is None:
-            return super().number
-        return self.repeat * sum(line.number for line in self.windows)
 
     def each(self) -> list[WindowLine]:
         """Return a line for each window, those of a repetition again."""

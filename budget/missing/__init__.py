@@ -178,6 +178,9 @@ def fill_all(
     devices: Sequence[Device], mode: str, catalogue: Sequence[Device] | None = None
 ) -> tuple[tuple[Device, ...], Filling]:
     """Fill devices that make one unit; arguments as of `fill`."""
+    if len(devices) == 1:
+        device, filling = fill(devices[0], mode, catalogue)
+        return (device,), filling
     completed, whole = [], Filling(mode=mode)
     for device in devices:
         one, filling = fill(device, mode, catalogue)

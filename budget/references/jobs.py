@@ -20,8 +20,8 @@ from budget.names import MISSION
 from budget.question import (
     Question,
     find_sources,
-    needs_test,
     question_of,
+    refuse_unjudged,
     sensors_of,
     source_names,
 )
@@ -120,7 +120,7 @@ def compute(
     if mission is not None:
         procedures = procedures or [uncalibrated("factory")]
         for one in limits:
-            needs_test(one, procedures[0])
+            refuse_unjudged(one, mission, procedures[0])
     given = {
         name: value
         for name in SETTINGS[job]

@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.derived import combination
+from budget.calibration.schemes import estimated
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
-from budget.inputs import (
-    load_calibration,
-    load_devices,
-    load_mission,
-    load_procedure,
-    load_requirement,
-)
-from budget.inputs.records import UNCALIBRATED
-from budget.inputs.use import in_use
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
     MAX_TRIALS,
@@ -31,23 +22,13 @@ from budget.methods.radius import circles
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
-from budget.missing import REFUSE, Filling, fill_all
-from budget.missing.expected import could_widen, expecting_device
+from budget.missing import REFUSE
+from budget.missing.expected import could_widen
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import (
     Question,
-    after_a_turn_on,
-    choose_outputs,
-    choose_sources,
-    choose_times,
-    navigating,
-    not_calibrated,
-    not_estimated,
-    not_on_a_mission,
-    not_weighted,
     question_of,
-    sensors_of,
 )
 from budget.results import (
     BY_LAW,
@@ -66,7 +47,7 @@ from budget.results import (
     input_files,
 )
 from budget.sentences import sentence
-from budget.settings import Asked, Engine, check
+from budget.settings import Engine, Settings, check
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -88,7 +69,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
     from budget.problem import Problem
-    from budget.settings import Progress, Settings
+    from budget.settings import Progress
 
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
@@ -222,126 +203,68 @@ def analyze(
     CallError
         Options or devices that do not fit together.
     """
-    wanted = None if requirement is None else load_requirement(requirement)
-    route, carried_to = None, None
-    if mission is not None:
-        route = load_mission(mission)
-        carried_to = choose_times(route, at, wanted)
-        reference = after_a_turn_on(reference)
-    elif tuple(at):
-        raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
-    settings = Asked(
+    question = Question.load(
+        *devices,
+        procedure=procedure,
+        calibration=calibration,
+        station=station,
+        age=age,
+        environment=environment,
+        requirement=requirement,
+        mission=mission,
+        at=at,
+        coverage=coverage,
+        reference=reference,
+        only=only,
+        outputs=outputs,
+        missing=missing,
+        catalogue=catalogue,
+    )
+    settings = Settings(
         method=method,
         trials=trials,
         digits=digits,
         max_trials=max_trials,
         validate=validate,
         seed=seed,
-        coverage=coverage,
         interval=interval,
-        reference=reference,
         samples=samples,
-        only=_names("only", only),
-        outputs=_names("outputs", outputs),
         matrices=matrices,
         missing=missing,
-    ).settle(wanted)
-    return analyze_as(
-        settings,
-        *load_devices(devices),
-        procedure=load_calibration(
-            calibration,
-            procedure,
-            station=station,
-            age=age,
-            environment=environment,
-            mission=route,
-            requirement=wanted,
-        ),
-        requirement=wanted,
-        catalogue=catalogue,
-        engine=Engine(workers=workers, executor=executor, progress=progress, talk=talk),
-        command=command,
-        mission=route,
-        carried_to=carried_to,
     )
-
-
-def _names(option: str, given: Sequence[str]) -> tuple[Name, ...]:
-    """Return what an option names, one alone too.
-
-    Raises
-    ------
-    CallError
-        It has something else than texts.
-    """
-    names = [given] if isinstance(given, str) else given
-    if not isinstance(names, Iterable):
-        raise CallError(f"{option} is {given!r}, expected names: ['gyro.bias']")
-    names = list(names)
-    if wrong := [one for one in names if not isinstance(one, str)]:
-        raise CallError(f"{option} has {wrong[0]!r}, expected names: 'gyro.bias'")
-    return tuple(map(Name, names))
+    engine = Engine(workers=workers, executor=executor, progress=progress, talk=talk)
+    return analyze_as(settings, question, engine=engine, command=command)
 
 
 def analyze_as(
     settings: Settings,
-    *devices: Device,
-    procedure: Procedure | None = None,
-    requirement: Requirement | None = None,
-    catalogue: Sequence[Device] | None = None,
+    question: Question,
+    *,
     engine: Engine | None = None,
     command: str = "analyze",
-    mission: Mission | None = None,
-    carried_to: tuple[float, ...] | None = None,
-    on_mission: Procedure | None = None,
 ) -> Budget:
-    """Compute the budget as `analyze` does, with the settings given as a whole.
-
-    `carried_to` are times at which that of the mission after it is asked for, in its
-    place; the mission alone is for limits on it, `on_mission` what calibrated the unit
-    for these (in its use), where that is another calibration.
-    """
+    """Compute the budget as `analyze` does; what the question says goes before."""
     engine = Engine() if engine is None else engine
-    procedure = in_use(
-        load_procedure(None) if procedure is None else procedure, requirement, mission
+    settings = replace(
+        settings, coverage=question.coverage, reference=question.reference
     )
-    of_test = carried_to is None
-    _check_kind(settings, procedure, of_test=of_test)
-    find = partial(sensors_of, procedure=procedure) if of_test else navigating
-    find(devices)  # refuses what does not go together
-    filling = Filling()
-    if settings.missing != REFUSE:
-        there = [
-            expecting_device(x, procedure, settings.reference, every=not of_test)
-            for x in devices
-        ]
-        devices, filling = fill_all(there, settings.missing, catalogue)
-    sensors = find(devices)
     check("analyze", settings, engine)
-    carried = None if of_test else mission
-    chosen, warnings = choose_sources(sensors, procedure, settings.only, carried)
+    devices, procedure, sensors = question.devices, question.procedure, question.sensors
+    requirement, mission = question.requirement, question.mission
+    of_test = question.journey is None
+    if settings.matrices and not of_test:
+        raise CallError(
+            "outputs and matrices are of a calibration, and this is of a mission, "
+            "which has neither; leave --outputs and --matrices out"
+        )
+    chosen, warnings = question.only, cautions.asked_alone(question)
     if of_test:
         warnings = (
-            *not_on_a_mission(requirement, mission),
-            *not_calibrated(devices, procedure),
-            *not_estimated(devices, procedure, requirement),
+            *cautions.not_on_a_mission(requirement, mission),
+            *cautions.not_calibrated(devices, procedure),
+            *cautions.not_estimated(devices, procedure, requirement),
             *warnings,
         )
-    question = Question(
-        devices=devices,
-        procedure=procedure,
-        coverage=settings.coverage,
-        reference=settings.reference,
-        only=chosen,
-        requirement=requirement,
-        filling=filling,
-        asked=choose_outputs(devices, procedure, settings.outputs) if of_test else None,
-        mission=mission,
-        carried_to=carried_to,
-        on_mission=on_mission,
-        catalogue=None if catalogue is None else tuple(catalogue),
-    )
     problem, law = question.problem, question.law
     if engine.talk is not None:
         for text in _costs(problem, settings, engine.workers):
@@ -411,7 +334,7 @@ def analyze_as(
             *procedure.assumptions,
             *(() if mission is None else mission.assumptions),
             *(() if of_test else cautions.left_behind(sensors, procedure)),
-            *not_weighted(sensors, procedure),
+            *cautions.not_weighted(sensors, procedure),
             *cautions.shared_constants(sensors, procedure, settings.reference),
             *estimate.assumptions,
         ),
@@ -426,9 +349,7 @@ def analyze_as(
         quantities=input_quantities(question),
         filled=question.filled.lines,
         left=question.filled.left,
-        readings=effects(question.sensors, procedure, reference=settings.reference)
-        if chosen is None and of_test
-        else (),
+        readings=effects(question) if chosen is None and of_test else (),
         mission=question.journey,
         filter=found_out,
         question=question,
@@ -443,26 +364,6 @@ def analyze_as(
             *cautions.doubts(budget.outputs),
         ),
     )
-
-
-def _check_kind(settings: Settings, procedure: Procedure, *, of_test: bool) -> None:
-    """Refuse what means nothing of a calibration, or of a mission.
-
-    Raises
-    ------
-    CallError
-        There is no test, or outputs of a test are asked for.
-    """
-    if not of_test and (settings.outputs or settings.matrices):
-        raise CallError(
-            "outputs and matrices are of a calibration, and this is of a mission, "
-            "which has neither; leave --outputs and --matrices out"
-        )
-    if of_test and procedure.formulas in UNCALIBRATED:
-        raise CallError(
-            f"{procedure.name}: there is no test whose budget this could be; give a "
-            "procedure, or a mission, on which such a unit has errors"
-        )
 
 
 def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEstimate:
@@ -548,7 +449,11 @@ def _by_simulation(
     question: Question, settings: Settings, engine: Engine
 ) -> MethodEstimate:
     """Simulate the calibration run after run, and take moments and intervals."""
-    derive = question.derive  # what has none is refused before all that work
+    if question.journey is not None:
+        raise CallError(
+            "--method simulation simulates the calibration, and a mission takes "
+            "its noise in run besides; take gum or monte-carlo"
+        )
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
     progress = engine.stage("simulated calibrations")
     columns = []
@@ -565,7 +470,14 @@ def _by_simulation(
         )
         if progress is not None:
             progress(run + 1, runs)
-    errors = derive(np.stack(columns, axis=1))
+    errors = np.stack(columns, axis=1)
+    if question.outputs is not None:
+        names = [
+            name
+            for one in question.sensors
+            for name in estimated(one.kind, question.procedure)
+        ]
+        errors = combination(names, question.outputs)(errors)
     return MethodEstimate(
         method="simulation",
         trials=runs,

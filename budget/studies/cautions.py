@@ -10,20 +10,22 @@ import numpy as np
 
 from budget.calibration.mission import not_carried, of_test_alone
 from budget.calibration.saturation import saturations
-from budget.calibration.schemes import removal
+from budget.calibration.schemes import WEIGHTED, calibrates, noise_of, removal
+from budget.inputs.records import UNCALIBRATED
 from budget.inputs.specification import time_of
 from budget.model.source import Coefficient, Disturbance, Nonlinearity, TurnOnChange
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
-from budget.names import Name
+from budget.names import IMU, MISSION, Name, by_group
+from budget.question import given_lines, kinds_of, limited_but_held
 from budget.sentences import described, sentence
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.records import Mission, Procedure, Sensor
+    from budget.inputs.records import Device, Mission, Procedure, Requirement, Sensor
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
@@ -44,6 +46,70 @@ def options_without_effect(
         sentence("cautions.without_effect", option=option)
         for option, is_given in given.items()
         if method == "gum" and is_given
+    )
+
+
+def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
+    """Say of which triads that are there a procedure finds nothing."""
+    if procedure.formulas in UNCALIBRATED:
+        return ()
+    return tuple(
+        sentence("cautions.not_calibrated", procedure=procedure.name, sensor=kind)
+        for kind in kinds_of(devices)
+        if not calibrates(kind, procedure)
+    )
+
+
+def not_estimated(
+    devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
+) -> tuple[str, ...]:
+    """Say which limits a procedure says nothing of, as it holds what they are on."""
+    limits = () if requirement is None else requirement.outputs
+    return tuple(
+        sentence(
+            "cautions.not_estimated", procedure=procedure.name, parameters=parameters
+        )
+        for parameters in by_group(
+            limited_but_held(kinds_of(devices), procedure, limits)
+        )
+    )
+
+
+def not_on_a_mission(
+    requirement: Requirement | None, mission: Mission | None
+) -> tuple[str, ...]:
+    """Say that limits on a mission are judged by nobody who is given none."""
+    if mission is not None or requirement is None or MISSION not in requirement.kinds:
+        return ()
+    return (sentence("cautions.limits_on_a_mission"),)
+
+
+def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
+    """Say which limits are judged by nobody who takes the sensors one by one."""
+    of_both = [name for name in requirement.outputs if name.owner == IMU]
+    return tuple(
+        sentence("cautions.of_both", parameters=parameters)
+        for parameters in by_group(of_both)
+    )
+
+
+def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
+    """Say for which triads there is no noise that an estimator could weigh by."""
+    if procedure.formulas != WEIGHTED:
+        return ()
+    return tuple(
+        sentence("cautions.no_weights", sensor=sensor.kind)
+        for sensor in sensors
+        if not noise_of(sensor.kind, sensor.lines)
+    )
+
+
+def asked_alone(question: Question) -> tuple[str, ...]:
+    """Say which of the sources that alone count the data sheet does not give."""
+    given = given_lines(question.sensors, question.procedure, mission=question.journey)
+    return tuple(
+        sentence("cautions.asked_alone", name=name)
+        for name in sorted((question.only or frozenset()) - given.keys())
     )
 
 

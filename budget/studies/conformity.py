@@ -7,12 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.derived import known_outputs
 from budget.errors import CallError
 from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
-from budget.missing.expected import missing_of
-from budget.names import MISSION
 from budget.question import question_of
 from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
 from budget.studies.ceilings import ceilings
@@ -23,23 +20,22 @@ from budget.studies.judgement import (
     TRIALS,
     assess_outputs,
     judge,
-    limit_problem,
     screen,
     together,
 )
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import Case, Margin, completed, decide
+from budget.studies.verdicts import Margin, decide
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.inputs.files import File
-    from budget.inputs.records import Device, ErrorLine, Requirement
+    from budget.inputs.records import Device, Requirement
     from budget.names import Name
-    from budget.question import Question
+    from budget.question import Limited, Question
     from budget.results import Budget, OutputAssessment, ReadingVerdicts
-    from budget.studies.judgement import Judged, Limited
+    from budget.studies.judgement import Judged
 
 AS_PRINTED = 1.05  # times u that is the same to half a digit of the two printed [1]
 
@@ -103,10 +99,11 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
     found: list[Judged] = []
     verdicts: list[SensorAssessment] = []
     kinds = [sensor.kind for sensor in question.sensors]
-    for owner in _owners(question, requirement):
-        own = replace(question, requirement=requirement).alone(owner)
-        held = limit_problem(own.problem, requirement)
-        if held is None:
+    if question.requirement is not requirement:
+        question = replace(question, requirement=requirement)
+    for owner in question.limited:
+        own = question.alone(owner)
+        if (held := own.held) is None:
             continue
         prediction = own.filled.prediction
         judged = judge(
@@ -116,9 +113,9 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
             # What missing lines leave open, no trial decides.
             max_trials=TRIALS if prediction else MAX_TRIALS,
         )
-        if any(sensor.lines for sensor in own.sensors):
+        if own.has_lines:
             found.append(judged)
-        verdict = _verdict(owner, own, requirement, held, judged, seed=seed)
+        verdict = _verdict(owner, own, held, judged, seed=seed)
         verdicts.append(verdict)
         outputs += assess_outputs(held, judged, verdict.standing, own.lacks)
     if not verdicts:
@@ -148,18 +145,14 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
     )
 
 
-def margins(question: Question) -> Iterator[tuple[str, Case, Margin]]:
-    """Yield by sensor what its verdict has room for, by the law alone."""
-    if question.requirement is None:
-        return
-    for owner in _owners(question, question.requirement):
+def margins(question: Question) -> Iterator[tuple[Question, Margin]]:
+    """Yield by owner what its verdict has room for, by the law alone."""
+    for owner in question.limited:
         own = question.alone(owner)
-        held = limit_problem(own.problem, question.requirement)
-        if held is None or not any(sensor.lines for sensor in own.sensors):
+        if own.held is None or not own.has_lines:
             continue
-        case = _case(own, question.requirement)
-        judged = screen(held, own.law, seed=0)
-        yield owner, case, Margin.of(case, held, own.law, judged, seed=0)
+        judged = screen(own.held, own.law, seed=0)
+        yield own, Margin.of(own, own.held, own.law, judged, seed=0)
 
 
 def open_to(
@@ -182,9 +175,7 @@ def open_to(
     }
     if not tops:
         return question.lacks
-    whole = replace(
-        question, devices=tuple(_with_lines(one, tops) for one in question.devices)
-    )
+    whole = replace(question.with_lines(tops), designed=None)
     least = np.array([output.resolution for output in question.problem.outputs]) ** 2
     variance = np.diag(question.law.covariance)
     same = np.diag(whole.law.covariance) <= np.maximum(AS_PRINTED**2 * variance, least)
@@ -206,40 +197,6 @@ def open_to(
     }
 
 
-def _with_lines(device: Device, lines: Mapping[Name, ErrorLine]) -> Device:
-    """Return a device whose triads have more lines."""
-    gyro, other = (
-        None if sensor is None else completed((sensor,), lines)[0]
-        for sensor in (device.gyro, device.accelerometer)
-    )
-    return replace(device, gyro=gyro, accelerometer=other)
-
-
-def _owners(question: Question, requirement: Requirement) -> Iterator[str]:
-    """Yield what has limits that can be judged: triads, both of them, the mission."""
-    limited = requirement.outputs
-    if question.carried_to is None:
-        kinds = [sensor.kind for sensor in question.sensors]
-        known = known_outputs(kinds, question.procedure)
-        yield from dict.fromkeys(name.owner for name in known if name in limited)
-    if question.mission is not None and MISSION in requirement.kinds:
-        yield MISSION
-
-
-def _case(own: Question, requirement: Requirement) -> Case:
-    """Return what a verdict on a sensor, or on what belongs to both, is of."""
-    return Case(
-        devices=own.devices,
-        sensors=own.sensors,
-        procedure=own.procedure,
-        requirement=requirement,
-        mission=own.journey,
-        filling=own.filled,
-        only=own.only,
-        catalogue=own.catalogue,
-    )
-
-
 def _readings(own: Question, judged: Judged, seed: int) -> ReadingVerdicts | None:
     """Judge one triad under its readings; what belongs to both is not.
 
@@ -248,9 +205,7 @@ def _readings(own: Question, judged: Judged, seed: int) -> ReadingVerdicts | Non
     is_one = len(own.sensors) == 1 and own.only is None
     if not is_one or own.requirement is None or own.filling.prediction is not None:
         return None
-    return verdicts_by_reading(
-        own.sensors[0], own.procedure, own.requirement, seed=seed, taken=judged
-    )
+    return verdicts_by_reading(own, seed=seed, taken=judged)
 
 
 def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
@@ -270,7 +225,6 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
 def _verdict(
     owner: str,
     own: Question,
-    requirement: Requirement,
     held: Limited,
     judged: Judged,
     *,
@@ -278,8 +232,7 @@ def _verdict(
 ) -> SensorAssessment:
     """Return the verdict on one sensor, or on what belongs to both."""
     readings = _readings(own, judged, seed)
-    missing = missing_of(own.sensors, own.procedure)
-    has_lines = any(sensor.lines for sensor in own.sensors)
+    missing, has_lines = own.missing, own.has_lines
     parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
     # A sensor without lines has no source, only the row of products, which is 0.
     limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
@@ -288,7 +241,7 @@ def _verdict(
     if prediction is not None and not missing and not held.absent:
         doubt = doubt_of(prediction, held, own.law, judged)
     standing = decide(
-        _case(own, requirement),
+        own,
         held,
         own.law,
         judged,

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.methods.gum import Propagation
     from budget.missing.prediction import Prediction
-    from budget.studies.judgement import Judged, Limited
+    from budget.question import Limited
+    from budget.studies.judgement import Judged
 
 STRATA = 64  # of equal probability, of the line that becomes known
 POINTS = 2**15  # in all of them

@@ -20,14 +20,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.problem import line_u_of_inputs
-from budget.calibration.schemes import with_accelerometers
 from budget.inputs.specification import (
     ALLAN_MINIMUM,
     HALF_WIDTHS,
     SIGMAS,
     divisor,
 )
-from budget.question import given_lines
 from budget.results import InputQuantity
 from budget.units import WALK_PER_DENSITY
 
@@ -51,7 +49,7 @@ class Sensitivity:
 
 def input_quantities(question: Question) -> tuple[InputQuantity, ...]:
     """Return the lines that a budget is made of, in the order of its sources."""
-    lines = _lines(question)
+    lines = question.lines
     origins = {one.source: one.origin for one in question.filled.lines}
     return tuple(
         _quantity(group.name, lines[group.name], origins.get(group.name, ""))
@@ -62,7 +60,7 @@ def input_quantities(question: Question) -> tuple[InputQuantity, ...]:
 def sensitivities(question: Question) -> dict[Name, Sensitivity]:
     """Return u(x) and c of every source, for all outputs."""
     problem, law = question.problem, question.law
-    lines = _lines(question)
+    lines = question.lines
     found = {}
     for group, rows, variance in zip(
         problem.groups, problem.slices, law.source_first_order, strict=True
@@ -80,15 +78,6 @@ def sensitivities(question: Question) -> dict[Name, Sensitivity]:
         c = np.sqrt(np.maximum(variance, 0.0)) / np.where(u > 0.0, u, np.inf)
         found[group.name] = Sensitivity(u_input=u, c=c, unit=_unit(line))
     return found
-
-
-def _lines(question: Question) -> dict[Name, ErrorLine]:
-    """Return every line that is given, of all triads that are looked at."""
-    there = with_accelerometers(question.sensors, question.procedure)
-    is_mission = question.journey is not None
-    return given_lines(
-        there, question.procedure, every=is_mission, mission=question.journey
-    )
 
 
 def _reading(line: ErrorLine) -> float:

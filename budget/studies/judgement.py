@@ -23,11 +23,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.aiding import problem_of_mission
-from budget.calibration.derived import outputs_for
-from budget.calibration.problem import calibration_problem
 from budget.distributions import normal_coverage_factor
-from budget.inputs.records import JOINT
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -39,7 +35,7 @@ from budget.methods.largest import (
 )
 from budget.methods.normality import end_accuracy
 from budget.methods.trials import first_trials
-from budget.question import on_mission
+from budget.question import Limited
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
@@ -56,10 +52,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.inputs.records import Mission, Procedure, Requirement, Sensor
     from budget.methods.gum import Propagation
     from budget.names import Name
-    from budget.problem import Output, Problem
+    from budget.problem import Problem
     from budget.results import Standing
 
 TRIALS = 100_000  # at first
@@ -68,87 +63,6 @@ STEP = 4  # times as many trials in each try
 # Of what sampling leaves open of an end of a normal output: a law that is surer is
 # surer than trials of any output that is so nearly normal [1].
 SURE = 0.5
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Limited:
-    """What is judged: the Problem of a sensor or a mission, and limits on outputs."""
-
-    problem: Problem
-    # Required outputs among those of the Problem, shape (n_required,).
-    rows: NDArray[np.intp]
-    limits: Array  # on their absolute errors, shape (n_required,) [SI]
-    coverage: Array  # probabilities of the intervals, shape (n_required,) [1]
-    printed: tuple[str, ...]  # the limits as the requirement file gives them
-    usual: float  # the requirement's coverage, of limits without their own [1]
-    # Parameters with a limit that the calibration does not estimate.
-    absent: tuple[Name, ...] = ()
-    is_joint: bool = False  # whether all limits are to be kept together
-
-    @property
-    def outputs(self) -> tuple[Output, ...]:
-        """The required outputs."""
-        return tuple(self.problem.outputs[row] for row in self.rows)
-
-    @property
-    def every_coverage(self) -> Array:
-        """Coverages of all outputs of the Problem, shape (n_out,) [1].
-
-        What is not required has that of the first that is.
-        """
-        found = np.full(len(self.problem.outputs), self.coverage[0])
-        found[self.rows] = self.coverage
-        return found
-
-
-def required_problem(
-    sensors: tuple[Sensor, ...],
-    procedure: Procedure,
-    requirement: Requirement,
-    mission: Mission | None = None,
-    *,
-    designed: tuple[tuple[Sensor, ...], Procedure] | None = None,
-) -> Problem:
-    """Return the calibration of a sensor, with all that is limited of it.
-
-    Or the mission of a gyro and an accelerometer after it, with what is limited of
-    that; its filter is `designed` for other ones.
-    """
-    limited = requirement.outputs
-    if mission is not None:
-        wanted = on_mission(limited, mission)
-        return problem_of_mission(
-            sensors, procedure, mission, wanted, designed=designed
-        )
-    return calibration_problem(
-        sensors,
-        procedure,
-        reference=requirement.reference,
-        outputs=outputs_for([one.kind for one in sensors], procedure, limited),
-    )
-
-
-def limit_problem(problem: Problem, requirement: Requirement) -> Limited | None:
-    """Put the limits of a requirement on a Problem; None where it has none there."""
-    places = {output.name: row for row, output in enumerate(problem.outputs)}
-    required = [limit for limit in requirement.limits if limit.output in places]
-    if not required:
-        return None
-    return Limited(
-        problem=problem,
-        rows=np.array([places[limit.output] for limit in required]),
-        limits=np.array([limit.limit for limit in required]),
-        coverage=np.array([requirement.coverage_of(limit) for limit in required]),
-        printed=tuple(limit.printed for limit in required),
-        usual=requirement.coverage,
-        is_joint=requirement.decision == JOINT,
-        absent=tuple(
-            limit.output
-            for limit in requirement.limits
-            if limit.output not in places
-            and limit.output.owner in {name.owner for name in places}
-        ),
-    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,25 +16,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import WEIGHTED
 from budget.inputs.specification import SIDES
-from budget.methods.gum import propagate
-from budget.missing.expected import expecting
 from budget.names import Name
 from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
-from budget.studies.judgement import (
-    judge,
-    limit_problem,
-    required_problem,
-    screen,
-)
+from budget.studies.judgement import judge, screen
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from budget.inputs.records import ErrorLine, Procedure, Requirement, Sensor
+    from budget.inputs.records import ErrorLine, Sensor
+    from budget.question import Question
     from budget.results import Doubt
     from budget.studies.judgement import Judged
 
@@ -44,9 +37,7 @@ MOST = 16  # combinations that are all computed
 Choice = tuple[tuple[Name, str], ...]
 
 
-def effects(
-    sensors: Sequence[Sensor], procedure: Procedure, *, reference: str
-) -> tuple[ReadingEffect, ...]:
+def effects(question: Question) -> tuple[ReadingEffect, ...]:
     """Return what each other reading alone makes of the standard uncertainties.
 
     Of each the output whose u changes most, by the law of propagation; u over that
@@ -54,16 +45,16 @@ def effects(
     """
     others = [
         (sensor, line, word)
-        for sensor in sensors
+        for sensor in question.sensors
         for line, words in _open_lines(sensor).items()
         for word in words
         if word != _taken(sensor, line)
     ]
-    now = _u(sensors, procedure, reference) if others else {}
+    question = replace(question, requirement=None, asked=None, only=None)
+    now = _u(question) if others else {}
     found = []
     for sensor, line, word in others:
-        read = under(sensor, ((line, word),))
-        u = _u([read if x is sensor else x for x in sensors], procedure, reference)
+        u = _u(question.with_sensors([under(sensor, ((line, word),))]))
         output = _largest_change(u, now)
         found.append(
             ReadingEffect(
@@ -78,15 +69,13 @@ def effects(
 
 
 def verdicts_by_reading(
-    sensor: Sensor,
-    procedure: Procedure,
-    requirement: Requirement,
+    question: Question,
     *,
     seed: int,
     by_law: bool = False,
     taken: Judged | None = None,
 ) -> ReadingVerdicts | None:
-    """Judge a sensor under the readings of its open lines; None where none is open.
+    """Judge one sensor under the readings of its open lines; None where none is open.
 
     As every command judges (budget.studies.judgement), or by the law alone. Of more
     than MOST combinations those that are taken, each other one alone, and the smallest
@@ -96,26 +85,24 @@ def verdicts_by_reading(
     The sides of a density are not changed: the larger noise is taken, and less of it is
     never worse, but for an estimator that weighs by it.
     """
+    (sensor,) = question.sensors
     lines = {
         name: words
         for name, words in _open_lines(sensor).items()
-        if procedure.formulas == WEIGHTED or {*words} != {*SIDES}
+        if question.procedure.formulas == WEIGHTED or {*words} != {*SIDES}
     }
     if not lines:
         return None
     total = prod(len(words) for words in lines.values())
     found = []
     for place, choice in enumerate(_combinations(sensor, lines, total)):
-        read = expecting(under(sensor, choice), procedure, requirement.reference)
-        held = limit_problem(
-            required_problem((read,), procedure, requirement), requirement
-        )
-        if held is None:
+        read = question.with_sensors([under(sensor, choice)]) if place else question
+        if (held := read.held) is None:
             return None
         judged = None if place else taken
         if judged is None:
             look = screen if by_law else judge
-            judged = look(held, propagate(held.problem), seed=seed)
+            judged = look(held, read.law, seed=seed)
         found.append(
             ReadingVerdict(
                 words=choice,
@@ -203,13 +190,11 @@ def _sizes(sensor: Sensor, name: Name) -> dict[str, float]:
     return {word: settle(one.largest) for word, one in line.readings}
 
 
-def _u(
-    sensors: Sequence[Sensor], procedure: Procedure, reference: str
-) -> dict[Name, float]:
-    """Return the standard uncertainty of every parameter [SI]."""
-    problem = calibration_problem(tuple(sensors), procedure, reference=reference)
-    u = propagate(problem).standard_uncertainty.tolist()
-    return dict(zip((output.name for output in problem.outputs), u, strict=True))
+def _u(question: Question) -> dict[Name, float]:
+    """Return the standard uncertainty of every output [SI]."""
+    u = question.law.standard_uncertainty.tolist()
+    names = (output.name for output in question.problem.outputs)
+    return dict(zip(names, u, strict=True))
 
 
 def _largest_change(u: Mapping[Name, float], taken: Mapping[Name, float]) -> Name:

@@ -45,19 +45,16 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import (
     load_calibration,
-    load_devices,
-    load_requirement,
     load_station,
     load_stations,
 )
 from budget.inputs.records import UNCALIBRATED, ErrorLine
 from budget.inputs.station import IDEAL, at_station
-from budget.inputs.use import in_use, of_the_test
+from budget.inputs.use import of_the_test
 from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
-from budget.missing.expected import expecting
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -68,11 +65,12 @@ from budget.model.sources import (
     source_of,
 )
 from budget.names import Name, by_group
-from budget.question import given_lines, not_weighted, sensors_of
+from budget.question import Question, given_lines
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import described, sentence
 from budget.studies.blunders import against_limits
-from budget.studies.verdicts import Case, stand
+from budget.studies.cautions import not_weighted
+from budget.studies.verdicts import stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
 
@@ -91,6 +89,7 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
+    from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
     from budget.problem import Output, Problem
@@ -407,16 +406,16 @@ def qualify(
     CallError
         Options that mean nothing, or no limit on what the test estimates.
     """
-    imus, wanted = load_devices(devices), load_requirement(requirement)
     how = load_calibration(calibration, procedure, age=age, environment=environment)
     if how.formulas in UNCALIBRATED:
         raise CallError(
             f"{how.name}: there is no test, so that no station is needed; give the "
             "procedure of a test"
         )
-    how = in_use(how, wanted, None)
     _check(ratio, guard, strategy or STRATEGIES[0], how)
-    sensors = sensors_of(imus, how)
+    question = Question.load(*devices, procedure=how, requirement=requirement)
+    imus, wanted, how = question.devices, question.wanted, question.procedure
+    sensors = question.sensors
     names = known_outputs([sensor.kind for sensor in sensors], how)
     limits = tuple(one for one in wanted.limits if one.output in names)
     if not limits:
@@ -426,14 +425,7 @@ def qualify(
             f"({', '.join(sensor.kind for sensor in sensors)}), one at least is "
             "needed; add limits for it, or give another procedure"
         )
-    case = _Case(
-        sensors=sensors,
-        procedure=how,
-        requirement=wanted,
-        limits=limits,
-        ratio=ratio,
-        guard=guard,
-    )
+    case = _Case(question=question, limits=limits, ratio=ratio, guard=guard)
     candidates = (
         load_stations() if stations is None else tuple(map(load_station, stations))
     )
@@ -471,35 +463,20 @@ def qualify(
             *probe.assumed,
         ),
         warnings=(*_warnings(case, names), *against_limits(how, wanted)),
-        standings=_standings(imus, case),
+        standings=tuple(
+            (kind, standing)
+            for kind in (sensor.kind for sensor in sensors)
+            for standing in [stand(question.alone(kind), seed=0)]
+            if standing is not None
+        ),
     )
-
-
-def _standings(
-    devices: tuple[Device, ...], case: _Case
-) -> tuple[tuple[str, Standing], ...]:
-    """Judge each triad after the test, as every command does."""
-    found = []
-    for sensor in case.sensors:
-        one = Case(
-            devices=devices,
-            sensors=(expecting(sensor, case.procedure, case.requirement.reference),),
-            procedure=case.procedure,
-            requirement=case.requirement,
-        )
-        standing = stand(one, seed=0)
-        if standing is not None:
-            found.append((sensor.kind, standing))
-    return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Case:
-    """What is asked: a test, its limits, the ratio."""
+    """A test at its station: its limits, the ratio."""
 
-    sensors: tuple[Sensor, ...]
-    procedure: Procedure
-    requirement: Requirement
+    question: Question
     limits: tuple[Limit, ...]
     ratio: float
     guard: float
@@ -507,7 +484,7 @@ class _Case:
     @property
     def k(self) -> float:
         """Coverage factor of a normal error [1]."""
-        return normal_coverage_factor(self.requirement.coverage)
+        return normal_coverage_factor(self.question.coverage)
 
     @property
     def names(self) -> list[Name]:
@@ -522,7 +499,7 @@ class _Case:
     @property
     def has_station(self) -> bool:
         """Whether the procedure names a station."""
-        return has_station(self.procedure)
+        return has_station(self.question.procedure)
 
     def problem(self, procedure: Procedure) -> Problem:
         """Return the test with nothing but the sources of station and environment.
@@ -530,8 +507,8 @@ class _Case:
         What no triad feels is left out, and what varies of the device, unless an
         estimator weighs by it: every input costs second derivatives with all others.
         """
-        kinds = tuple(sensor.kind for sensor in self.sensors)
-        sensors = self.sensors
+        sensors = self.question.sensors
+        kinds = tuple(sensor.kind for sensor in sensors)
         if procedure.formulas != WEIGHTED:
             sensors = tuple(map(_coefficients_alone, sensors))
         triads = [
@@ -556,41 +533,36 @@ class _Case:
                 station=felt(STATION, procedure.station),
                 environment=felt(ENVIRONMENT, procedure.environment),
             ),
-            reference=self.requirement.reference,
+            reference=self.question.reference,
             only=frozenset(Name(one.name, owner=o) for o, one in station_sources()),
             outputs=outputs_for(kinds, procedure, self.names),
         )
 
-    def measurement(self, procedure: Procedure, reference: str) -> Problem:
+    def measured(self, procedure: Procedure, reference: str) -> Question:
         """Return the test with all that is given, of the device too."""
-        kinds = [sensor.kind for sensor in self.sensors]
-        return calibration_problem(
-            self.sensors,
-            procedure,
-            reference=reference,
-            outputs=outputs_for(kinds, procedure, self.names),
-        )
+        return replace(self.question, procedure=procedure, reference=reference)
 
     def prior(self) -> dict[Name, float]:
         """Return u_0 of each limited output, by the lines of the device [SI]."""
-        alone = replace(self.procedure, station=(), environment=())
-        by_reference = [
-            _variances(self.measurement(alone, reference))
-            for reference in ("nominal", "as_tested")
-        ]
+        alone = replace(self.question.procedure, station=(), environment=())
+        by_reference = []
+        for reference in ("nominal", "as_tested"):
+            one = self.measured(alone, reference)
+            # 0 of what is rounding.
+            by_reference.append(
+                {
+                    output.name: u**2 if u > output.resolution else 0.0
+                    for output, u in zip(
+                        one.problem.outputs,
+                        one.law.standard_uncertainty.tolist(),
+                        strict=True,
+                    )
+                }
+            )
         nominal, tested = by_reference
         return {
             name: sqrt(max(nominal[name] - tested[name], 0.0)) for name in self.names
         }
-
-
-def _variances(problem: Problem) -> dict[Name, float]:
-    """Return the variance of every output, 0 of what is rounding [SI squared]."""
-    u = propagate(problem).standard_uncertainty
-    return {
-        output.name: float(u[row]) ** 2 if u[row] > output.resolution else 0.0
-        for row, output in enumerate(problem.outputs)
-    }
 
 
 def _coefficients_alone(sensor: Sensor) -> Sensor:
@@ -686,7 +658,7 @@ class _Probe:
 
 def _probe(case: _Case) -> _Probe:
     """Expand the test once, with every source that a station can have."""
-    given = given_lines((), case.procedure)
+    given = given_lines((), case.question.procedure)
     lines: dict[Name, ErrorLine] = {}
     times: dict[Name, float] = {}
     assumed: dict[Name, str] = {}
@@ -705,11 +677,11 @@ def _probe(case: _Case) -> _Probe:
         lines[name] = _unit_line(source, owner, has, times.get(name))
     kept = tuple(
         line
-        for line in case.procedure.environment
+        for line in case.question.procedure.environment
         if Name(line.name, owner=ENVIRONMENT) not in lines
     )
     procedure = replace(
-        case.procedure,
+        case.question.procedure,
         station=tuple(line for name, line in lines.items() if name.owner == STATION),
         environment=kept
         + tuple(line for name, line in lines.items() if name.owner == ENVIRONMENT),
@@ -783,7 +755,7 @@ def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, 
     law = probe.law
     n = len(law.sources)
     unit = np.array([probe.lines[name].si_per_unit for name in law.sources])
-    given = given_lines((), case.procedure)
+    given = given_lines((), case.question.procedure)
     now = np.array([given[g].largest if g in given else 0.0 for g in law.sources])
     most = np.maximum(
         [_ceiling(source_of(g.owner, g.quantity), g.owner) for g in law.sources], now
@@ -824,7 +796,7 @@ def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, 
             else (),
             together=float(together[g]) if free[g] else None,
             binding_outputs=binding.get(g, ()),
-            why=_why(name, g, probe, case.procedure),
+            why=_why(name, g, probe, case.question.procedure),
         )
         for g, name in enumerate(law.sources)
     )
@@ -875,7 +847,7 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
 
 def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdict, ...]:
     """Judge the procedure's own station, then every other candidate."""
-    procedure, prior = case.procedure, case.prior()
+    procedure, prior = case.question.procedure, case.prior()
     found = []
     own = procedure.station_origin
     if case.has_station:
@@ -912,8 +884,9 @@ def _verdict(
 
     `lines` are those that the station gives, `prior` u_0 of each output [SI].
     """
-    station = _uncertain(case, case.problem(procedure))
-    whole = _uncertain(case, case.measurement(procedure, "as_tested"))
+    problem, measured = case.problem(procedure), case.measured(procedure, "as_tested")
+    station = _uncertain(case, problem, propagate(problem))
+    whole = _uncertain(case, measured.problem, measured.law)
     rows = []
     for one, allowed in zip(case.limits, case.allowed, strict=True):
         own, all_of_it = station[one.output], whole[one.output]
@@ -955,9 +928,10 @@ class _Uncertain:
     sources: tuple[Name, ...]
 
 
-def _uncertain(case: _Case, problem: Problem) -> dict[Name, _Uncertain]:
-    """Propagate a problem, by the names of its outputs."""
-    law = propagate(problem)
+def _uncertain(
+    case: _Case, problem: Problem, law: Propagation
+) -> dict[Name, _Uncertain]:
+    """Return it by the names of the outputs of a problem."""
     found = {}
     for row, output in enumerate(problem.outputs):
         u = float(law.standard_uncertainty[row])
@@ -1007,11 +981,15 @@ def false_accept(
 
 def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:
     """Say what a reader should know before believing the tables."""
-    absent = [one.output for one in case.requirement.limits if one.output not in names]
+    absent = [
+        one.output for one in case.question.wanted.limits if one.output not in names
+    ]
     found = [
         sentence("stations.not_estimated", parameters=parameters)
         for parameters in by_group(absent)
     ]
     if not case.has_station:
-        found.append(sentence("stations.no_station", procedure=case.procedure.name))
+        found.append(
+            sentence("stations.no_station", procedure=case.question.procedure.name)
+        )
     return tuple(found)

@@ -21,7 +21,7 @@ going with its square), of a vibration (with the fourth power of its rms) and of
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from math import floor, inf, log10
 from pathlib import Path
@@ -44,7 +44,7 @@ from budget.calibration.saturation import (
     peaks_of_test,
     saturations,
 )
-from budget.calibration.schemes import calibrates, scheme_of, with_accelerometers
+from budget.calibration.schemes import calibrates, scheme_of
 from budget.distributions import normal_coverage_factor
 from budget.inputs.makers import bare, lines_by_word
 from budget.inputs.records import JOINT
@@ -53,7 +53,7 @@ from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
-from budget.missing import Filling, line_of, shipped_devices
+from budget.missing import line_of, shipped_devices
 from budget.missing.grades import FAMILIES, family
 from budget.missing.prediction import stand_in
 from budget.model.course import Fading
@@ -86,8 +86,6 @@ from budget.studies.judgement import (
     TRIALS,
     interval_by_law,
     judge,
-    limit_problem,
-    required_problem,
 )
 from budget.studies.readings import verdict_of
 from budget.ties import from_largest, settle
@@ -103,13 +101,13 @@ if TYPE_CHECKING:
         ErrorLine,
         Mission,
         Procedure,
-        Requirement,
         Sensor,
     )
     from budget.methods.gum import Propagation
+    from budget.question import Limited, Question
     from budget.results import Doubt, ReadingVerdicts
     from budget.studies.ceilings import Ceiling
-    from budget.studies.judgement import Judged, Limited
+    from budget.studies.judgement import Judged
 
 MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 LATER = "next_turn_on"  # the error reference that a use is of
@@ -150,53 +148,8 @@ DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Case:
-    """What is judged: triads of devices under a procedure, or both on a mission."""
-
-    devices: tuple[Device, ...]
-    sensors: tuple[Sensor, ...]  # with what stands for lines that are not given
-    procedure: Procedure  # with the use that is stated
-    requirement: Requirement
-    mission: Mission | None = None  # None: the calibration is judged
-    filling: Filling = field(default_factory=Filling)
-    only: frozenset[Name] | None = None
-    catalogue: tuple[Device, ...] | None = None  # that is comparable
-
-    @cached_property
-    def there(self) -> tuple[Sensor, ...]:
-        """The triads that the verdict rests on."""
-        if self.mission is not None:
-            return self.sensors
-        return with_accelerometers(self.sensors, self.procedure)
-
-    @property
-    def is_later(self) -> bool:
-        """Whether it is of a use, so that its environment and its age count."""
-        return self.mission is not None or self.requirement.reference == LATER
-
-    def like(
-        self, held: Limited, sensors: tuple[Sensor, ...], procedure: Procedure
-    ) -> Limited:
-        """Return what is held against its limits, of other triads or in another use.
-
-        A filter keeps the gains that it has by what is given: nobody told it more.
-        """
-        names = {output.name for output in held.outputs}
-        limits = tuple(one for one in self.requirement.limits if one.output in names)
-        own = replace(self.requirement, limits=limits)
-        problem = required_problem(
-            sensors,
-            procedure,
-            own,
-            self.mission,
-            designed=(self.sensors, self.procedure),
-        )
-        return limit_problem(problem, own) or held
-
-
 def decide(
-    case: Case,
+    question: Question,
     held: Limited,
     law: Propagation,
     judged: Judged,
@@ -205,11 +158,11 @@ def decide(
     doubt: Doubt | None = None,
     readings: ReadingVerdicts | None = None,
 ) -> Standing:
-    """Return the verdict on a case, the same in every command.
+    """Return the verdict on a question, the same in every command.
 
     Parameters
     ----------
-    case : Case
+    question : Question
     held, law, judged
         Its Problem with the limits, the law of that, and how it stands on what is given
         and on what stands for lines that are not.
@@ -220,8 +173,10 @@ def decide(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    found = _decided(case, held, law, judged, seed=seed, doubt=doubt, readings=readings)
-    aided = tuple(_of_aids(case, held, law))
+    found = _decided(
+        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
+    )
+    aided = tuple(_of_aids(question, held, law))
     found = replace(found, cautions=(*found.cautions, *aided))
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
@@ -231,7 +186,7 @@ def decide(
             for one in found.cautions
             if one.kind == NO_TIME
         ),
-        *_lost(case, held),
+        *_lost(question, held),
     )
     if not lost:
         return found
@@ -243,9 +198,9 @@ def decide(
     )
 
 
-def _of_aids(case: Case, held: Limited, law: Propagation) -> Iterator[Caution]:
+def _of_aids(question: Question, held: Limited, law: Propagation) -> Iterator[Caution]:
     """Yield what an aided mission is judged with, and where its filter is too sure."""
-    mission, outputs = case.mission, held.outputs
+    mission, outputs = question.journey, held.outputs
     if mission is None or not mission.aiding:
         return
     times = Places.of([output.name for output in outputs]).times
@@ -254,24 +209,26 @@ def _of_aids(case: Case, held: Limited, law: Propagation) -> Iterator[Caution]:
     if during:
         text = sentence("conditions.aided", times=during)
         yield Caution(kind="aided", line=Name(AIDING), text=text)
-    if mission.filter is not None and case.only is None:
-        journey = journey_of(mission, times, case.sensors, case.procedure)
+    if mission.filter is not None and question.only is None:
+        journey = journey_of(mission, times, question.sensors, question.procedure)
         errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
         for said in overconfident(errors):
             yield Caution(kind="filter", line=Name(AIDING), text=said)
 
 
-def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
+def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
     """Return what leaves a verdict open where first order ends before a limit."""
-    if case.mission is None:
+    if question.journey is None:
         return ()
     times = dict.fromkeys(output.name.time or 0.0 for output in held.outputs)
     attitudes = [
         name
-        for name in mission_outputs(case.mission, times)
+        for name in mission_outputs(question.journey, times)
         if name.quantity == "attitude"
     ]
-    problem = problem_of_mission(case.sensors, case.procedure, case.mission, attitudes)
+    problem = problem_of_mission(
+        question.sensors, question.procedure, question.journey, attitudes
+    )
     return tuple(
         Condition(
             kind="first_order",
@@ -283,7 +240,7 @@ def _lost(case: Case, held: Limited) -> tuple[Condition, ...]:
 
 
 def _decided(
-    case: Case,
+    question: Question,
     held: Limited,
     law: Propagation,
     judged: Judged,
@@ -293,29 +250,29 @@ def _decided(
     readings: ReadingVerdicts | None,
 ) -> Standing:
     """Return the verdict as far as the equations are of first order."""
-    silent = unjudged(case)
+    silent = unjudged(question)
     cautions, words = silent.cautions, replace(silent, conditions=())
     given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
     if any(one.kind == SATURATES for one in cautions):
         given = FAILS
-    if case.only is not None and given == MEETS:
+    if question.only is not None and given == MEETS:
         return replace(
             words,
             verdict=MEETS_IF,
             conditions=(
                 Condition(
                     kind="only",
-                    line=min(case.only),
+                    line=min(question.only),
                     text=sentence("conditions.chosen"),
                 ),
             ),
             cautions=cautions,
         )
-    if given == FAILS or case.only:
+    if given == FAILS or question.only:
         return replace(words, verdict=given, cautions=cautions)
-    if not any(one.lines for one in case.there):
+    if not any(one.lines for one in question.there):
         return silent
-    margin = Margin.of(case, held, law, judged, seed=seed)
+    margin = Margin.of(question, held, law, judged, seed=seed)
     # What is predicted is in the doubt; what else nothing bounds decides all the same.
     decisive = margin.decisive if doubt is None else margin.without_ceiling
     conditions = tuple(
@@ -325,7 +282,7 @@ def _decided(
     )
     if not decisive:  # whatever a line is, it is no condition
         conditions = tuple(one for one in conditions if one.below is not None)
-    uses = uses_of(case, margin)
+    uses = uses_of(question, margin)
     verdict = given
     if decisive and given in {MEETS, UNDECIDED, PREDICTED}:
         verdict = UNDECIDABLE
@@ -337,17 +294,17 @@ def _decided(
         conditions=(*conditions, *uses),
         cautions=(*_as_cautions((*conditions, *uses)), *cautions),
         at_ceilings=margin.at_ceilings,
-        negligible=tuple(x for x in expected_of(case) if x not in margin.missing),
+        negligible=tuple(x for x in expected_of(question) if x not in margin.missing),
     )
 
 
-def uses_of(case: Case, margin: Margin) -> tuple[Condition, ...]:
+def uses_of(question: Question, margin: Margin) -> tuple[Condition, ...]:
     """Return the conditions on the use, as far as nobody has stated it."""
     uses = (
-        *(one for key in unstated(case) for one in margin.of_use(key, case)),
-        *ranges_of(case),
+        *(one for key in unstated(question) for one in margin.of_use(key, question)),
+        *ranges_of(question),
     )
-    if uses or not unstated(case):
+    if uses or not unstated(question):
         return uses
     text = sentence("conditions.as_in_its_test")
     return (Condition(kind="environment", line=Name(ENVIRONMENT), text=text),)
@@ -363,36 +320,36 @@ def _temperatures_of_test(procedure: Procedure) -> frozenset[Name]:
     )
 
 
-def _exercised_in_test(case: Case) -> tuple[str, ...]:
+def _exercised_in_test(question: Question) -> tuple[str, ...]:
     """Return what acts in the test itself: its temperature, its vibration."""
     found = {
-        "temperature": bool(_temperatures_of_test(case.procedure)),
+        "temperature": bool(_temperatures_of_test(question.procedure)),
         "vibration": any(
             line.name == TEST_VIBRATION and line.u.any()
-            for line in case.procedure.environment
+            for line in question.procedure.environment
         ),
     }
     return tuple(key for key, acts in found.items() if acts)
 
 
-def lacking_in_test(case: Case) -> tuple[Name, ...]:
+def lacking_in_test(question: Question) -> tuple[Name, ...]:
     """Return the lines that are not given of what acts in the test itself.
 
     A residual over temperature says nothing of it: that is of a later use.
     """
-    exercised = _exercised_in_test(case)
+    exercised = _exercised_in_test(question)
     return tuple(
         Name(line, owner=sensor.kind)
-        for sensor in case.there
+        for sensor in question.there
         for key in exercised
         for line in IN_TEST[key]
         if sensor.lines and sensor.line(line) is None
     )
 
 
-def unjudged(case: Case) -> Standing:
-    """Return how a case stands before anything is computed: what it lacks decides."""
-    requirement = case.requirement
+def unjudged(question: Question) -> Standing:
+    """Return how it stands before anything is computed: what it lacks decides."""
+    requirement = question.wanted
     return Standing(
         verdict=UNDECIDABLE,
         conditions=tuple(
@@ -405,14 +362,14 @@ def unjudged(case: Case) -> Standing:
                 decides=True,
                 text=sentence("conditions.decides", line=name),
             )
-            for name in expected_of(case)
+            for name in expected_of(question)
             for line in [line_of(stand_in(name), name.owner)]
         ),
-        cautions=cautions_of(case),
-        calibration=calibration_words(case.procedure),
-        station=station_words(case.procedure),
-        use=use_words(case.procedure, is_later=case.is_later),
-        mission="" if case.mission is None else case.mission.name,
+        cautions=cautions_of(question),
+        calibration=calibration_words(question.procedure),
+        station=station_words(question.procedure),
+        use=use_words(question.procedure, is_later=question.is_later),
+        mission="" if question.journey is None else question.journey.name,
         decision=sentence(
             "conditions.decision",
             is_joint=requirement.decision == JOINT,
@@ -421,17 +378,13 @@ def unjudged(case: Case) -> Standing:
     )
 
 
-def stand(case: Case, *, seed: int) -> Standing | None:
-    """Judge a case, by few trials where they are needed; None: it has no limit."""
-    problem = required_problem(
-        case.sensors, case.procedure, case.requirement, case.mission
-    )
-    held = limit_problem(problem, case.requirement)
+def stand(question: Question, *, seed: int) -> Standing | None:
+    """Judge a question, by few trials where they are needed; None: it has no limit."""
+    held, law = question.held, question.law
     if held is None:
         return None
-    law = propagate(problem)
     judged = judge(held, law, seed=seed, max_trials=TRIALS)
-    return decide(case, held, law, judged, seed=seed)
+    return decide(question, held, law, judged, seed=seed)
 
 
 def gravest(verdicts: Iterable[str]) -> str:
@@ -455,7 +408,7 @@ def _as_cautions(conditions: Sequence[Condition]) -> tuple[Caution, ...]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Margin:
-    """Room that a case has for what is not given and what nobody has stated.
+    """Room that there is for what is not given and what nobody has stated.
 
     Attributes
     ----------
@@ -501,40 +454,50 @@ class Margin:
 
     @classmethod
     def of(
-        cls, case: Case, held: Limited, law: Propagation, judged: Judged, *, seed: int
+        cls,
+        question: Question,
+        held: Limited,
+        law: Propagation,
+        judged: Judged,
+        *,
+        seed: int,
     ) -> Margin:
         """Compute what each missing line and each use that is not stated makes."""
-        names = expected_of(case)
-        stands = {one.expected: one for one in case.filling.lines}
-        silent = silent_of(case)
+        names = expected_of(question)
+        stands = {one.expected: one for one in question.filled.lines}
+        silent = silent_of(question)
         every = dict.fromkeys((*names, *(name for x in silent.values() for name in x)))
         tops = {
             name: one
-            for device in case.devices
+            for device in question.devices
             for own in [{sensor.kind for sensor in device.sensors}]
             for name, one in ceilings(
-                device, [name for name in every if name.owner in own], case.catalogue
+                device,
+                [name for name in every if name.owner in own],
+                question.catalogue,
             ).items()
         }
         sizes = {name: tops[name].u if name in tops else _one(name) for name in every}
         comparable = {name for name in tops if tops[name].origin != BY_NATURE}
-        in_test = [x for x in lacking_in_test(case) if x.quantity in COEFFICIENTS]
+        in_test = [x for x in lacking_in_test(question) if x.quantity in COEFFICIENTS]
         lines = {
-            name: _standing(case, name, sizes[name])
+            name: _standing(question, name, sizes[name])
             for name in names
-            if name not in in_test or name in _lacking_stated(case)
+            if name not in in_test or name in _lacking_stated(question)
         }
         probes = {
-            name: _standing(case, name, sizes[name])
+            name: _standing(question, name, sizes[name])
             for x in silent.values()
             for name in x
         }
-        whole = case.like(held, completed(case.sensors, lines | probes), _tried(case))
-        found = propagate(whole.problem)
+        found_of = question.with_lines(lines | probes).in_use(
+            [PROBE[key] for key in unstated(question)]
+        )
+        whole, found = found_of.held or held, found_of.law
         parts = np.concatenate(
             [
                 _parts(whole, found),
-                *(_of_test(case, held, name, sizes[name]) for name in in_test),
+                *(_of_test(question, held, name, sizes[name]) for name in in_test),
             ]
         )
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
@@ -546,14 +509,14 @@ class Margin:
             **{name: (one.source,) for name, one in stands.items()},
             **{
                 key: (
-                    *_felt_by(case, key),
+                    *_felt_by(question, key),
                     *(
                         Name(probes[name].name, owner=name.owner)
                         for name in silent[key]
                         if comparable >= {*silent[key]}
                     ),
                 )
-                for key in unstated(case)
+                for key in unstated(question)
             },
         }
         groups = {
@@ -574,7 +537,7 @@ class Margin:
         def matters(name: Name) -> bool:
             size = 1.0
             if name not in tops and name not in stands:
-                most = largest_printed(name, case.catalogue)
+                most = largest_printed(name, question.catalogue)
                 size = inf if most is None else FAR_ABOVE * most / sizes[name]
             share = float((np.sqrt(variance(name)) / held.limits).max())
             return reaches(name) and size * share > NEGLIGIBLE
@@ -594,7 +557,7 @@ class Margin:
             groups=groups,
             ages={
                 places[Name(line.name, owner=sensor.kind)]: line
-                for sensor in case.there
+                for sensor in question.there
                 for line in sensor.lines
                 if line.name in AGEING.values()
                 if Name(line.name, owner=sensor.kind) in places
@@ -620,16 +583,17 @@ class Margin:
             margin = replace(
                 margin, jointly=_jointly(margin, whole, found, law, judged)
             )
-        if any(family(one.technology) != MEMS for one in case.devices):
+        if any(family(one.technology) != MEMS for one in question.devices):
             untold = {Name(G_SENSITIVITY, owner=GYRO)} - tops.keys()
             margin = replace(
                 margin, missing=tuple(x for x in margin.missing if x not in untold)
             )
-        margin = margin.less([x for x in margin.missing if _is_suspected(case, x)])
+        margin = margin.less([x for x in margin.missing if _is_suspected(question, x)])
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
-        top = case.like(held, completed(case.sensors, lines), case.procedure)
-        at_top = judge(top, propagate(top.problem), seed=seed, max_trials=TRIALS)
+        full = question.with_lines(lines)
+        top = full.held or held
+        at_top = judge(top, full.law, seed=seed, max_trials=TRIALS)
         if margin.jointly is not None:
             top_known = (margin.weights, at_top.utilisation)
             both = (*margin.jointly.known, top_known)
@@ -805,7 +769,7 @@ class Margin:
             ),
         )
 
-    def of_use(self, key: str, case: Case) -> tuple[Condition, ...]:
+    def of_use(self, key: str, question: Question) -> tuple[Condition, ...]:
         """Return the conditions of a use that nobody has stated, and that reaches."""
         found = []
         silent = self.silent.get(key, ())
@@ -818,11 +782,11 @@ class Margin:
             tops = [] if unknown else [self.tops[name] for name in silent]
             found.append(_bounded(key, size * _tried_at(key), tops))
         if key == "age":
-            found += _horizon(case)
+            found += _horizon(question)
         if unknown:
             text = sentence("conditions.silent", use=key, lines=unknown)
             found.append(_on_use(key, text, silent=unknown))
-        if not found and _is_felt(case, key):
+        if not found and _is_felt(question, key):
             found.append(_on_use(key, sentence("conditions.over_temperature")))
         return tuple(found)
 
@@ -960,54 +924,54 @@ def _parts(held: Limited, law: Propagation, *, whole: bool = False) -> Array:
     return found
 
 
-def expected_of(case: Case) -> tuple[Name, ...]:
+def expected_of(question: Question) -> tuple[Name, ...]:
     """Return the lines that are not given and that the question exercises.
 
     The expected ones; what temperature and vibration do where these are stated or the
     test has its own; the g-sensitivity of a MEMS gyro, and on a route that turns or
     climbs of one that may be.
     """
-    if case.only is not None:
+    if question.only is not None:
         return ()
-    names = [name for sensor in case.there for name in sensor.expected_missing]
-    names += [*_lacking_stated(case), *lacking_in_test(case)]
+    names = [name for sensor in question.there for name in sensor.expected_missing]
+    names += [*_lacking_stated(question), *lacking_in_test(question)]
     families = {
         family(device.technology)
-        for device in case.devices
+        for device in question.devices
         for sensor in device.sensors
         if sensor.kind == GYRO
     }
-    gyros = [one for one in case.there if one.kind == GYRO]
+    gyros = [one for one in question.there if one.kind == GYRO]
     if (
         gyros
         and gyros[0].line(G_SENSITIVITY) is None
         # A technology that nobody has told, or that nobody knows, may be MEMS.
         and not families & NOT_MEMS
-        and (case.mission is not None or calibrates(GYRO, case.procedure))
+        and (question.journey is not None or calibrates(GYRO, question.procedure))
     ):
         names.append(Name(G_SENSITIVITY, owner=GYRO))
-    filled = {one.expected for one in case.filling.lines}
+    filled = {one.expected for one in question.filled.lines}
     return tuple(dict.fromkeys(name for name in names if name not in filled))
 
 
-def _is_suspected(case: Case, name: Name) -> bool:
+def _is_suspected(question: Question, name: Name) -> bool:
     """Say whether a line counts only where at its ceiling it overturns a verdict.
 
     The g-sensitivity of a gyro that does not turn in gravity.
     """
-    is_level = case.mission is not None and not manoeuvres(case.mission)
+    is_level = question.journey is not None and not manoeuvres(question.journey)
     # Beside a use that nobody has stated it is one condition more.
-    return is_level and name.quantity == G_SENSITIVITY and not unstated(case)
+    return is_level and name.quantity == G_SENSITIVITY and not unstated(question)
 
 
-def _lacking_stated(case: Case) -> tuple[Name, ...]:
+def _lacking_stated(question: Question) -> tuple[Name, ...]:
     """Return the lines that are not given of a temperature and a vibration stated."""
-    stated = stated_of(case.procedure) if case.is_later else {}
+    stated = stated_of(question.procedure) if question.is_later else {}
     return tuple(
         name
         for key, line in stated.items()
         if key != "age" and line.u.any()
-        for name in lacking_use(case, key)
+        for name in lacking_use(question, key)
     )
 
 
@@ -1019,20 +983,20 @@ def manoeuvres(mission: Mission) -> bool:
     return any(leg.turn_rate or leg.climb_rate or leg.acceleration for leg in legs)
 
 
-def lacking_use(case: Case, key: str) -> tuple[Name, ...]:
-    """Return the lines of a use that a case is not given: what it does to the triads.
+def lacking_use(question: Question, key: str) -> tuple[Name, ...]:
+    """Return the lines of a use that are not given: what it does to the triads.
 
     A figure that holds over temperature says what a temperature does that stays as it
     is, and one that holds over a time what age does.
     """
     found: list[Name] = []
-    for sensor in case.there:
+    for sensor in question.there:
         if key == "vibration" and sensor.line(RECTIFICATION) is None:
             found.append(Name(RECTIFICATION, owner=sensor.kind))
         for parameter, (coefficient, residual) in BY_TEMPERATURE.items():
             own = sensor.line(f"{parameter}_repeatability")
             is_said = sensor.line(residual) or _includes(own, "temperature")
-            is_known = sensor.line(coefficient) or (is_said and not _moves(case))
+            is_known = sensor.line(coefficient) or (is_said and not _moves(question))
             if key == "temperature" and not is_known:
                 found.append(Name(coefficient, owner=sensor.kind))
             ageing = AGEING[parameter]
@@ -1041,17 +1005,17 @@ def lacking_use(case: Case, key: str) -> tuple[Name, ...]:
     return tuple(found)
 
 
-def _moves(case: Case) -> bool:
+def _moves(question: Question) -> bool:
     """Say whether the temperature changes on the way.
 
     A residual over temperature is one constant there, which a filter learns: of the
     change it says nothing.
     """
-    line = stated_of(case.procedure).get("temperature")
+    line = stated_of(question.procedure).get("temperature")
     course = None if line is None else line.course
-    if case.mission is None or course is None:
+    if question.journey is None or course is None:
         return False
-    values = course.at(np.array([0.0, *course.cuts, case.mission.route.duration]))
+    values = course.at(np.array([0.0, *course.cuts, question.journey.route.duration]))
     return bool(np.ptp(values))
 
 
@@ -1066,47 +1030,40 @@ def _lasts(line: ErrorLine | None) -> bool:
     return line is not None and time_of(line.horizon) is not None
 
 
-def unstated(case: Case) -> tuple[str, ...]:
+def unstated(question: Question) -> tuple[str, ...]:
     """Return what of its use nobody has stated: temperature, vibration, age."""
-    if not case.is_later:
+    if not question.is_later:
         return ()
-    stated = stated_of(case.procedure)
+    stated = stated_of(question.procedure)
     return tuple(key for key in STATED if key not in stated)
 
 
-def silent_of(case: Case) -> Mapping[str, tuple[Name, ...]]:
+def silent_of(question: Question) -> Mapping[str, tuple[Name, ...]]:
     """Return by the use that is not stated the lines of it that are not given."""
-    return {key: lacking_use(case, key) for key in unstated(case)}
+    return {key: lacking_use(question, key) for key in unstated(question)}
 
 
-def _tried(case: Case) -> Procedure:
-    """Return the procedure with every use that is not stated at its probe."""
-    lines = [PROBE[key] for key in unstated(case)]
-    own = case.procedure
-    return replace(own, environment=(*own.environment, *lines))
-
-
-def _felt_by(case: Case, key: str) -> tuple[Name, ...]:
+def _felt_by(question: Question, key: str) -> tuple[Name, ...]:
     """Return the sources that a use acts through."""
     if key == "temperature":
         return (Name(MISSION_TEMPERATURE, owner=ENVIRONMENT),)
     lines = (RECTIFICATION,) if key == "vibration" else tuple(AGEING.values())
     return tuple(
         Name(line.name, owner=sensor.kind)
-        for sensor in case.there
+        for sensor in question.there
         for line in sensor.lines
         if line.name in lines
     )
 
 
-def _standing(case: Case, name: Name, u: float) -> ErrorLine:
+def _standing(question: Question, name: Name, u: float) -> ErrorLine:
     """Return the line that stands for one that is not given, of a size [SI].
 
     Of a coefficient of temperature what it makes of the temperature that is stated: a
     residual on each axis, whose sign nobody knows. Where that is known at every time of
     a mission the coefficient is a constant itself.
     """
-    stated = stated_of(case.procedure).get("temperature")
+    stated = stated_of(question.procedure).get("temperature")
     for coefficient, residual in BY_TEMPERATURE.values():
         if name.quantity == coefficient and not (stated and stated.course):
             size = float((stated or PROBE["temperature"]).u[0])
@@ -1114,36 +1071,18 @@ def _standing(case: Case, name: Name, u: float) -> ErrorLine:
     return line_of(stand_in(name), name.owner, u)
 
 
-def _of_test(case: Case, held: Limited, name: Name, size: float) -> Array:
+def _of_test(question: Question, held: Limited, name: Name, size: float) -> Array:
     """Return the covariance that one coefficient has of the temperature of a test.
 
     Alone, as its sign beside that of others is not known: shape (1, n_required, 2, 2).
     """
     line = line_of(stand_in(name), name.owner, size)
-    alone = completed(case.sensors, {name: line}, less=COEFFICIENTS)
-    own = case.like(held, alone, case.procedure)
-    there = _temperatures_of_test(case.procedure)
+    alone = question.with_lines({name: line}, less=COEFFICIENTS)
+    own = alone.held or held
+    there = _temperatures_of_test(question.procedure)
     rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
-    parts = _parts(own, propagate(own.problem))[rows]
+    parts = _parts(own, alone.law)[rows]
     return np.asarray(parts.sum(axis=0, keepdims=True))
-
-
-def completed(
-    sensors: tuple[Sensor, ...],
-    lines: Mapping[Name, ErrorLine],
-    *,
-    less: Sequence[str] = (),
-) -> tuple[Sensor, ...]:
-    """Return triads, and those beside them, with more lines, and `less` some."""
-
-    def whole(sensor: Sensor) -> Sensor:
-        own = [line for name, line in lines.items() if name.owner == sensor.kind]
-        there = [x for x in (*sensor.lines, *sensor.initial) if x.name not in less]
-        found = sensor.with_lines((*there, *own))
-        beside = sensor.beside
-        return replace(found, beside=beside and whole(beside))
-
-    return tuple(map(whole, sensors))
 
 
 def _bounded(key: str, below: float, tops: Sequence[Ceiling]) -> Condition:
@@ -1196,11 +1135,11 @@ def _bound(key: str, size: float) -> str:
     return time_text(rounded_down(size, 2))
 
 
-def _horizon(case: Case) -> Iterator[Condition]:
+def _horizon(question: Question) -> Iterator[Condition]:
     """Yield the shortest time that a figure holds over, where no age is stated."""
     found = [
         (time.value, time.printed)
-        for sensor in case.there
+        for sensor in question.there
         for line in sensor.lines
         if line.name not in AGEING.values()
         if (time := time_of(line.horizon)) is not None
@@ -1216,24 +1155,28 @@ def _horizon(case: Case) -> Iterator[Condition]:
         )
 
 
-def _is_felt(case: Case, key: str) -> bool:
+def _is_felt(question: Question, key: str) -> bool:
     """Say whether a figure is given that holds over a temperature."""
     return key == "temperature" and any(
         sensor.line(residual) is not None
         or _includes(sensor.line(f"{parameter}_repeatability"), key)
-        for sensor in case.there
+        for sensor in question.there
         for parameter, (_, residual) in BY_TEMPERATURE.items()
     )
 
 
-def cautions_of(case: Case) -> tuple[Caution, ...]:
+def cautions_of(question: Question) -> tuple[Caution, ...]:
     """Return what qualifies a verdict whatever it is.
 
     What is given and nothing exercises; figures that hold over less than the age of the
     use; what its sheet leaves to the procedure.
     """
-    stands = {one.source for one in case.filling.lines}
-    asked = () if case.mission is None else saturations(case.sensors, case.mission)
+    stands = {one.source for one in question.filled.lines}
+    asked = (
+        ()
+        if question.journey is None
+        else saturations(question.sensors, question.journey)
+    )
     return (
         *(
             Caution(
@@ -1243,7 +1186,7 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
                     "conditions.range_needed", sensor=one.sensor, needed=one.shown
                 ),
             )
-            for one in _peaks(case)
+            for one in _peaks(question)
         ),
         *(
             Caution(
@@ -1255,25 +1198,25 @@ def cautions_of(case: Case) -> tuple[Caution, ...]:
         ),
         *(
             one
-            for device in case.devices
-            for own in [_unusual(device, case.catalogue)]
+            for device in question.devices
+            for own in [_unusual(device, question.catalogue)]
             for one in (*(x for x in own if x.line not in stands), *_aside(device))
         ),
         *(
             one
-            for sensor in case.there
+            for sensor in question.there
             for line in sensor.lines
-            for one in _in_use(case, Name(line.name, owner=sensor.kind), line)
+            for one in _in_use(question, Name(line.name, owner=sensor.kind), line)
         ),
     )
 
 
-def _in_use(case: Case, name: Name, line: ErrorLine) -> Iterator[Caution]:
+def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Caution]:
     """Yield what a line that is given leaves open in the use that is stated."""
-    stated = stated_of(case.procedure) if case.is_later else {}
+    stated = stated_of(question.procedure) if question.is_later else {}
     key = source_of(name.owner, line.name).use
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
-    if is_idle and key not in _exercised_in_test(case):
+    if is_idle and key not in _exercised_in_test(question):
         yield Caution(
             kind="not_exercised",
             line=name,
@@ -1281,7 +1224,7 @@ def _in_use(case: Case, name: Name, line: ErrorLine) -> Iterator[Caution]:
                 "conditions.not_exercised", line=name, printed=line.printed, use=key
             ),
         )
-    if case.mission is not None:
+    if question.journey is not None:
         yield from _open_lines(name, line)
     felt = stated.get("temperature")
     if felt is not None and felt.u.any() and _includes(line, "temperature"):
@@ -1346,24 +1289,24 @@ def _unusual(
                 )
 
 
-def _peaks(case: Case) -> tuple[Peak, ...]:
+def _peaks(question: Question) -> tuple[Peak, ...]:
     """Return the largest input of each triad whose range is not given."""
-    if case.mission is not None:
-        return needed_range(case.there, case.mission)
-    place = case.procedure.place
+    if question.journey is not None:
+        return needed_range(question.there, question.journey)
+    place = question.procedure.place
     return tuple(
         max(
             peaks_of_test(
-                one.kind, scheme_of(one.kind, case.procedure, one).schedule, place
+                one.kind, scheme_of(one.kind, question.procedure, one).schedule, place
             ),
             key=lambda peak: peak.size,
         )
-        for one in case.there
-        if one.range is None and calibrates(one.kind, case.procedure)
+        for one in question.there
+        if one.range is None and calibrates(one.kind, question.procedure)
     )
 
 
-def ranges_of(case: Case) -> tuple[Condition, ...]:
+def ranges_of(question: Question) -> tuple[Condition, ...]:
     """Return the conditions on ranges that are not given, where they may not do.
 
     Some device of the catalogue that reads gravity reads less than is asked of it.
@@ -1377,7 +1320,7 @@ def ranges_of(case: Case) -> tuple[Condition, ...]:
             si_per_unit=size,
             text=sentence("conditions.reads", sensor=peak.sensor, needed=peak.shown),
         )
-        for peak in _peaks(case)
+        for peak in _peaks(question)
         for unit, size in [SHOWN[peak.sensor]]
         if peak.size > least_range(peak.sensor)
     )

@@ -40,7 +40,7 @@ from budget.language import axis_title, key_title, say
 from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
-from budget.question import given_lines, limited_but_held, question_of
+from budget.question import limited_but_held, question_of
 from budget.results import BY_LAW
 from budget.sentences import sentence
 from budget.studies.conformity import margins
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.question import Question
     from budget.results import Assessment, Budget
-    from budget.studies.verdicts import Case, Margin
+    from budget.studies.verdicts import Margin
 
 
 LARGEST = 1e6  # factor up to which it is asked what will do [1]
@@ -472,7 +472,7 @@ def _widest(found: WhatIf, share: Array) -> int:
 def _judged(found: WhatIf, question: Question, assessment: Assessment | None) -> WhatIf:
     """Give a model what its verdicts need besides the sizes of its sources."""
     own = {one.sensor: one for one in (assessment.sensors if assessment else ())}
-    rooms = {owner: (case, margin) for owner, case, margin in margins(question)}
+    rooms = {one.owner: (one, margin) for one, margin in margins(question)}
     places = {output.name: k for k, output in enumerate(found.outputs)}
     added = np.zeros_like(found.added)
     sensors = []
@@ -481,7 +481,7 @@ def _judged(found: WhatIf, question: Question, assessment: Assessment | None) ->
         is_open, conditions = bool(sensor.missing), tuple[str, ...]()
         doubt = sensor.doubt
         if sensor.name in rooms:
-            case, margin = rooms[sensor.name]
+            one, margin = rooms[sensor.name]
             C = margin.added
             is_length = margin.ratio > 0.0
             half = np.where(is_length, (C[:, 0, 0] - C[:, 1, 1]) / 2.0, 0.0)
@@ -491,12 +491,12 @@ def _judged(found: WhatIf, question: Question, assessment: Assessment | None) ->
             is_open = bool(
                 margin.without_ceiling
                 or margin.held.absent
-                or case.filling.prediction is not None
+                or one.filled.prediction is not None
             )
-            conditions = tuple(_conditions(case, margin))
+            conditions = tuple(_conditions(one, margin))
             if margin.held.is_joint:
                 doubt = JOINTLY
-            saturates = any(one.kind == SATURATES for one in cautions_of(case))
+            saturates = any(x.kind == SATURATES for x in cautions_of(one))
         sensors.append(
             replace(
                 sensor,
@@ -510,9 +510,9 @@ def _judged(found: WhatIf, question: Question, assessment: Assessment | None) ->
     return replace(found, sensors=tuple(sensors), added=added)
 
 
-def _conditions(case: Case, margin: Margin) -> Iterator[str]:
+def _conditions(question: Question, margin: Margin) -> Iterator[str]:
     """Yield what a 'meets' holds if, whatever the sizes of the sources are."""
-    if case.only is not None:
+    if question.only is not None:
         yield sentence("conditions.chosen")
         return
     for name in margin.missing:
@@ -521,7 +521,7 @@ def _conditions(case: Case, margin: Margin) -> Iterator[str]:
             yield sentence("conditions.stays_below", line=name, bound=bound)
         elif name in margin.filled:
             yield sentence("conditions.stands", line=name)
-    uses = uses_of(case, margin)
+    uses = uses_of(question, margin)
     for key in dict.fromkeys(one.kind for one in uses if one.kind in STATED):
         yield sentence("conditions.changes_nothing", use=key)
     yield from (one.text for one in uses if one.kind not in STATED)
@@ -561,12 +561,7 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
         for row in (held_against.outputs if held_against else ())
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
-    given = given_lines(
-        question.sensors,
-        question.procedure,
-        every=question.journey is not None,
-        mission=question.journey,
-    )
+    given = question.lines
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
     own = (
         {}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,6 +15,7 @@ from places import TESTS
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
+from budget.question import Question
 from budget.settings import Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
@@ -41,16 +41,15 @@ def limited(horizontal="10 m"):
 def on_mission(unit="tac", factor=1.0, **more):
     """Return the budget of a unit on the mission, as its maker calibrated it."""
     changes = [f"{WALK}={0.1 * factor!r} deg/sqrt(h)"] * (factor != 1.0)
-    settings = more.pop("settings", Settings(validate=False))
-    return analyze_as(
-        replace(settings, reference="next_turn_on"),
+    question = Question.load(
         load_device(DATA / f"{unit}.yaml", changes),
         procedure=FACTORY,
-        mission=load_mission(more.pop("mission", G1)),
-        carried_to=more.pop("carried_to", (660.0,)),
-        command="mission",
-        **more,
+        mission=more.pop("mission", G1),
+        at=more.pop("carried_to", (660.0,)),
+        requirement=more.pop("requirement", None),
     )
+    settings = more.pop("settings", Settings(validate=False))
+    return analyze_as(settings, question, command="mission", **more)
 
 
 @cache

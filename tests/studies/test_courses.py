@@ -14,6 +14,7 @@ from saying import assert_says
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
+from budget.question import Question
 from budget.settings import Settings
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze_as
@@ -81,15 +82,14 @@ def limited(horizontal="35 km"):
 def budget_of(coefficient="0.5 deg/h/degC", *, aided=False, **more):
     """Return the budget of that unit on the way, as its maker calibrated it."""
     settings = more.pop("settings", Settings(validate=False, reference="next_turn_on"))
-    return analyze_as(
-        settings,
+    question = Question.load(
         load_device(unit(coefficient)),
         procedure=more.pop("procedure", uncalibrated("factory")),
         mission=way(aided=aided),
-        carried_to=TIMES,
-        command="mission",
+        at=TIMES,
         **more,
     )
+    return analyze_as(settings, question, command="mission")
 
 
 @cache

@@ -10,13 +10,13 @@ from keeping import catalogue
 from numpy.testing import assert_allclose
 from scipy.special import stdtr
 
-from budget import load_device, load_procedure, load_requirement
-from budget.methods.gum import propagate
+from budget import load_device, load_requirement
 from budget.missing import fill
 from budget.missing.prediction import Prediction
 from budget.names import Name
+from budget.question import Question
 from budget.studies.doubt import doubt_of, rooms, standard, weigh
-from budget.studies.judgement import judge_with, limit_problem, required_problem
+from budget.studies.judgement import judge_with
 
 A, B, C = (Name(f"line_{letter}", owner="gyro") for letter in "abc")
 REQUIREMENT = load_requirement("catalogue-edge")
@@ -104,8 +104,8 @@ def test_points_are_of_the_distribution():
 
 def held_of(device):
     """Return the gyro of a device against the requirement, with its law."""
-    problem = required_problem((device.gyro,), load_procedure(), REQUIREMENT)
-    return limit_problem(problem, REQUIREMENT), propagate(problem)
+    asked = Question.of(device, requirement=REQUIREMENT).alone("gyro")
+    return asked.held, asked.law
 
 
 def test_contributions_stand_for_the_law_of_every_draw():

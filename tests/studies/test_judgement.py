@@ -35,15 +35,13 @@ from budget.methods.largest import sampling_interval as interval_of
 from budget.methods.normality import end_accuracy
 from budget.names import Name
 from budget.problem import Group, Output, Problem
-from budget.question import Question
+from budget.question import Limited, Question
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 from budget.studies.judgement import (
-    Limited,
     alike,
     judge,
     judge_with,
-    limit_problem,
     screen,
     together,
 )
@@ -637,7 +635,7 @@ def test_a_limit_on_nothing_leaves_nothing_to_judge():
     """A Problem without required outputs has no limits."""
     problem = several(2)
 
-    assert limit_problem(problem, requirement()) is None
+    assert Limited.of(problem, requirement()) is None
 
 
 def test_multipliers_do_not_depend_on_the_number_of_draws():

@@ -7,6 +7,7 @@ from dataclasses import replace
 from math import sqrt
 
 import pytest
+from builders import asked
 from command_line import call
 from document_text import say as spoken
 from numpy.testing import assert_allclose
@@ -115,7 +116,7 @@ def test_over_temperature_is_another_line(gyro):
     assert [line.name for line in read.lines] == ["bias_over_temperature"]
     assert "gyro.bias_stability" in read.expected_missing
     assert under(read, ((name, "in-run"),)).lines[0].name == "bias_stability"
-    found = effects((sensor,), PAPER, reference="next_turn_on")
+    found = effects(asked(sensor, reference="next_turn_on"))
     (one,) = found
     assert one.output == "gyro.bias.x"
     assert one.ratio > 1.3  # a constant is not averaged
@@ -173,7 +174,9 @@ def test_verdicts_under_every_reading(gyro, limits):
     """U of the bias is k sqrt(2) u by the law: 8.32 and, uniform, less than 6 deg/h."""
     sensor = gyro(bias_repeatability=OPEN["bias_repeatability"])
     for limit, passes in (("9 deg/h", "all"), ("7 deg/h", "some"), ("3 deg/h", "none")):
-        found = verdicts_by_reading(sensor, PAPER, limits(bias=limit), seed=0)
+        found = verdicts_by_reading(
+            asked(sensor, requirement=limits(bias=limit)), seed=0
+        )
         assert found.total == 2
         # On what is given: lines that are missing are judged apart from readings.
         words = [one.verdict for one in found.found]
@@ -195,11 +198,11 @@ def test_few_combinations_are_all_computed_and_many_are_not(gyro, limits):
     wanted = limits(bias="8 deg/h", scale_factor="300 ppm", mounting_angle="70 arcsec")
     how = {"seed": 0, "by_law": True}  # by trials others ask
     some = verdicts_by_reading(
-        gyro(**dict(list(JUDGED.items())[:4])), PAPER, wanted, **how
+        asked(gyro(**dict(list(JUDGED.items())[:4])), requirement=wanted), **how
     )
     assert some.total == len(some.found) == MOST
     assert len({one.words for one in some.found}) == MOST
-    many = verdicts_by_reading(gyro(**JUDGED), PAPER, wanted, **how)
+    many = verdicts_by_reading(asked(gyro(**JUDGED), requirement=wanted), **how)
     assert (many.total, len(many.found)) == (32, 7)
     used = [one.utilisation for one in many.found]
     assert many.found[0].utilisation == max(used)
@@ -214,8 +217,9 @@ def test_the_smaller_density_is_shown_and_not_judged(gyro, limits):
     wanted = limits(bias="1000 deg/h")
     for text in (walk, f"{{value: {walk}, reading: [one-sided, two-sided]}}"):
         sensor = gyro(angle_random_walk=text)
-        assert verdicts_by_reading(sensor, PAPER, wanted, seed=0, by_law=True) is None
-        (one,) = effects((sensor,), PAPER, reference="nominal")
+        one = asked(sensor, requirement=wanted)
+        assert verdicts_by_reading(one, seed=0, by_law=True) is None
+        (one,) = effects(asked(sensor, reference="nominal"))
         assert (one.taken, one.reading) == ("two-sided", "one-sided")
         assert_allclose(one.ratio, sqrt(0.5), rtol=1e-9)
 
@@ -224,9 +228,11 @@ def test_an_estimator_that_weighs_by_the_noise_is_judged_under_both(gyro, limits
     """There less noise moves the weights, of what is no noise too."""
     sensor = gyro(angle_random_walk="300 deg/h/sqrt(Hz)")
     found = verdicts_by_reading(
-        sensor,
-        replace(PAPER, formulas="weighted"),
-        limits(bias="1000 deg/h"),
+        asked(
+            sensor,
+            procedure=replace(PAPER, formulas="weighted"),
+            requirement=limits(bias="1000 deg/h"),
+        ),
         seed=0,
         by_law=True,
     )
@@ -244,16 +250,14 @@ def test_effects_are_what_the_law_gives_for_each(gyro):
             "{", "{correlation_time: 300 s, "
         ),
     )
-    one, other = effects((sensor,), PAPER, reference="next_turn_on")
+    one, other = effects(asked(sensor, reference="next_turn_on"))
     a, b = 2.0 * 3.0**2, 2.0 * 3.0**2 / 3.0
     assert one.reading == "max"
     assert_allclose(one.ratio, sqrt(b / a), rtol=0.02)  # of the stability too
     assert other.taken == "allan_minimum"
     assert other.output.quantity != "bias"
     assert_says(effect_line(one), "bias repeatability read as max in place of 1 sigma")
-    assert (
-        effects((gyro(bias_repeatability="3 deg/h"),), PAPER, reference="nominal") == ()
-    )
+    assert effects(asked(gyro(bias_repeatability="3 deg/h"))) == ()
 
 
 def test_commands_say_what_readings_do(gyro, limits, tmp_path):

@@ -384,10 +384,8 @@ def on_outage(device):
     """Return the budget of a device against limits on a mission of a minute."""
     wanted = load_requirement(MILE)
     return analyze_as(
-        Settings(validate=False, coverage=wanted.coverage, reference=wanted.reference),
-        device,
-        requirement=wanted,
-        mission=load_mission("outage-60-s"),
+        Settings(validate=False),
+        Question.of(device, requirement=wanted, mission=load_mission("outage-60-s")),
     )
 
 
@@ -538,11 +536,7 @@ def lacking():
 
 def analyzed_against(device):
     """Return the budget of a device against that limit."""
-    return analyze_as(
-        Settings(validate=False, reference="next_turn_on"),
-        device,
-        requirement=load_requirement(ANGLE),
-    )
+    return analyze(device, requirement=ANGLE, validate=False)
 
 
 @pytest.mark.parametrize(

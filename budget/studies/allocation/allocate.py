@@ -11,30 +11,12 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
-from budget.inputs import (
-    load_calibration,
-    load_costs,
-    load_devices,
-    load_mission,
-    load_requirement,
-)
+from budget.inputs import load_costs
 from budget.inputs.records import JOINT
-from budget.inputs.use import in_use
 from budget.methods.allocation import TOUCHES
-from budget.methods.gum import propagate
 from budget.methods.trials import coverage_of
-from budget.missing.expected import expecting
 from budget.names import IMU, MISSION, Name
-from budget.question import (
-    limited_but_held,
-    mission_for,
-    navigating,
-    needs_test,
-    not_estimated,
-    not_of_one_sensor,
-    not_weighted,
-    sensors_of,
-)
+from budget.question import Question, limited_but_held
 from budget.results import input_files
 from budget.sentences import sentence
 from budget.studies.allocation.cases import (
@@ -61,12 +43,18 @@ from budget.studies.allocation.rows import (
     source_allotments,
 )
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
-from budget.studies.judgement import judge, limit_problem
-from budget.studies.verdicts import Case, stand
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_estimated,
+    not_of_one_sensor,
+    not_weighted,
+    of_no_vehicle,
+)
+from budget.studies.judgement import judge
+from budget.studies.verdicts import stand
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import (
@@ -78,7 +66,6 @@ if TYPE_CHECKING:
         Sensor,
         Station,
     )
-    from budget.results import Standing
     from budget.settings import Progress
     from budget.studies.allocation.cases import Bounds, SensorCase
 
@@ -154,45 +141,52 @@ def allocate(
         Options that do not fit together, limits on a mission without one, or no limit
         for any sensor that is there.
     """
-    imus, wanted = load_devices(devices), load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
-    how = load_calibration(
-        calibration,
-        procedure,
+    question = Question.load(
+        *devices,
+        procedure=procedure,
+        calibration=calibration,
         station=station,
         age=age,
         environment=environment,
-        mission=journey,
-        requirement=wanted,
+        requirement=requirement,
+        mission=mission,
+        catalogue=catalogue,
     )
-    how = in_use(how, wanted, journey)
-    mission_for(wanted, journey)
-    needs_test(wanted, how)
+    return allocate_as(
+        question,
+        strategy=strategy,
+        costs=costs,
+        bounds=bounds,
+        market=market,
+        validate=validate,
+        seed=seed,
+        progress=progress,
+    )
+
+
+def allocate_as(
+    question: Question,
+    *,
+    strategy: str | None = None,
+    costs: Costs | File | None = None,
+    bounds: Bounds = NO_BOUNDS,
+    market: bool = False,
+    validate: bool = True,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Allocation:
+    """Share out limits as `allocate` does, of a calibration and of its mission."""
+    imus, wanted = question.devices, question.whole().wanted
+    journey = question.mission if MISSION in wanted.kinds else None
+    unit = question if journey is None else question.alone(MISSION)
+    how, sensors, catalogue = unit.procedure, unit.sensors, question.catalogue
     prices = None if costs is None else load_costs(costs)
     strategy = _choose_strategy(strategy, prices)
-    sensors = tuple(
-        expecting(sensor, how, wanted.reference)
-        for sensor in (sensors_of(imus, how) if journey is None else navigating(imus))
-    )
     warnings: tuple[str, ...] = ()
-    comparable = None if catalogue is None else tuple(catalogue)
     if catalogue is None:
         catalogue, warnings = load_catalogue()
     offered = best_offered(catalogue, sensors)
-    least = offered if market else {}
-    # What the limits on sensors allow is the most that those on a mission may take.
-    subjects: list[tuple[tuple[Sensor, ...], Mission | None]] = [
-        ((one,), None) for one in sensors if calibrates(one.kind, how)
-    ]
-    if journey is not None:
-        whole = (expecting(one, how, wanted.reference, every=True) for one in sensors)
-        subjects.append((tuple(whole), journey))
-    cases = [
-        case
-        for several, on in subjects
-        if (case := set_up(several, how, wanted, bounds, least, mission=on, seed=seed))
-        is not None
-    ]
+    cases = _set_up(question, unit, bounds, offered if market else {}, seed)
     if not cases:
         raise CallError(
             f"{wanted.name} sets no limit for what is estimated of a sensor "
@@ -205,7 +199,7 @@ def allocate(
     longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
     share_out = partial(solve, strategy=strategy, costs=prices)
     for place, one in enumerate(cases):
-        case = one if one.mission is None else one.at_most(_allowed(cases))
+        case = one if one.question.journey is None else one.at_most(_allowed(cases))
         feasible = feasible and case.is_feasible
         if case.is_feasible:
             solved = share_out(case)
@@ -241,7 +235,7 @@ def allocate(
             (case.owner, standing)
             for case in cases
             if feasible and case.s is not None
-            for standing in [_standing(case, imus, comparable, seed=seed)]
+            for standing in [stand(case.found, seed=seed)]
             if standing is not None
         ),
         sources=(
@@ -307,25 +301,28 @@ def allocate(
     )
 
 
-def _standing(
-    case: SensorCase,
-    devices: tuple[Device, ...],
-    catalogue: tuple[Device, ...] | None,
-    *,
+def _set_up(
+    question: Question,
+    unit: Question,
+    bounds: Bounds,
+    market: Mapping[Name, float],
     seed: int,
-) -> Standing | None:
-    """Return the verdict on what is allocated, as every command gives it."""
-    return stand(
-        Case(
-            devices=devices,
-            sensors=case.allocated,
-            procedure=case.procedure,
-            requirement=case.requirement,
-            mission=case.mission,
-            catalogue=catalogue,
-        ),
-        seed=seed,
-    )
+) -> list[SensorCase]:
+    """Return what has limits: the triads, then the unit on a mission.
+
+    What the limits on sensors allow is the most that those on a mission may take.
+    """
+    of_test = question
+    if question.journey is not None:
+        of_test = replace(question, carried_to=None)
+    asked = [
+        of_test.alone(sensor.kind)
+        for sensor in unit.sensors
+        if calibrates(sensor.kind, of_test.procedure)
+    ]
+    asked += [] if unit.journey is None else [unit]
+    found = (set_up(one, bounds, market, seed=seed) for one in asked)
+    return [case for case in found if case is not None]
 
 
 def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:
@@ -355,15 +352,15 @@ def _correct(
     law_factor = case.normal_factor
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = case.allocated_problem()
+        found_case = case.found
+        problem, law, held = found_case.problem, found_case.law, found_case.held
+        if held is None:
+            break
         rows = [
             [output.name for output in problem.outputs].index(name)
             for name in task.law.outputs
         ]
-        held = limit_problem(problem, case.requirement)
-        if held is None:
-            break
-        law, every = propagate(problem), held.every_coverage
+        every = held.every_coverage
         coverage = every[rows]
         found = coverage_of(
             problem,
@@ -421,12 +418,10 @@ def _assure(
     """
     for _ in range(CORRECTIONS):
         task, s = case.task, case.factors
-        problem = case.allocated_problem()
-        held = limit_problem(problem, case.requirement)
-        if held is None:
+        found = case.found
+        if found.held is None:
             break
-        law = propagate(problem)
-        judged = judge(held, law, seed=seed)
+        judged = judge(found.held, found.law, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
@@ -458,7 +453,7 @@ def _allowed(cases: Sequence[SensorCase]) -> dict[Name, float]:
     return {
         name: float(factor)
         for case in cases
-        if case.mission is None and case.s is not None
+        if case.question.journey is None and case.s is not None
         for name, factor, free in zip(
             case.task.law.sources, case.s, case.task.free, strict=True
         )
@@ -534,7 +529,9 @@ def _warnings(
             )
         if case.by_law is not None:
             texts.append(sentence("allocations.by_trials", sensor=kind))
-        missing = [name for one in case.sensors for name in one.expected_missing]
+        missing = [
+            name for one in case.question.sensors for name in one.expected_missing
+        ]
         if new := [name for name in missing if name not in said]:
             said.update(new)
             texts.append(sentence("allocations.missing", lines=new))

@@ -8,19 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.derived import known_outputs
-from budget.calibration.schemes import with_accelerometers
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, sparing
-from budget.methods.gum import propagate
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
-from budget.missing.expected import lacking, lacking_of_mission
-from budget.names import MISSION, Name
-from budget.question import given_lines
+from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
-from budget.studies.judgement import judge, limit_problem, required_problem
+from budget.studies.judgement import judge
 from budget.ties import equal_to
 from budget.units import DEGREE
 
@@ -32,14 +27,12 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import (
         Costs,
-        ErrorLine,
-        Mission,
         Procedure,
-        Requirement,
         Sensor,
     )
     from budget.methods.scaling import ScaledLaw
-    from budget.problem import Output, Problem
+    from budget.problem import Output
+    from budget.question import Question
     from budget.studies.judgement import Judged
 
 STRATEGIES = ("proportional", "equal", "cost")
@@ -73,14 +66,7 @@ NO_BOUNDS = Bounds(held=frozenset(), most={}, least={})
 class SensorCase:
     """One required sensor, or both by a mission: the task, and what became of it."""
 
-    sensors: tuple[Sensor, ...]
-    mission: Mission | None
-    procedure: Procedure
-    requirement: Requirement
-    # The lines of the sensors, then those that all triads share.
-    given: Mapping[Name, ErrorLine]
-    # Expected lines that are not given and would widen an output.
-    lacks: Mapping[Name, tuple[Name, ...]]
+    question: Question  # alone of the triad, or of the mission
     # With the coverage factors, and the filter if any, allocated with in the end.
     task: Task
     law: ScaledLaw  # with the filter of the present state
@@ -104,12 +90,12 @@ class SensorCase:
     @property
     def owner(self) -> str:
         """Owner of the limits: the triad, or the mission."""
-        return self.sensors[0].kind if self.mission is None else MISSION
+        return self.question.owner
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """The triads whose lines are shared out."""
-        return tuple(sensor.kind for sensor in self.sensors)
+        return tuple(sensor.kind for sensor in self.question.sensors)
 
     @property
     def factors(self) -> Array:
@@ -129,22 +115,22 @@ class SensorCase:
     @property
     def is_tuned(self) -> bool:
         """Whether a filter goes with the lines."""
-        return self.mission is not None and bool(self.mission.aiding)
+        mission = self.question.journey
+        return mission is not None and bool(mission.aiding)
 
     @property
     def tuned_to(self) -> float:
         """From which change of an error on filters are built no more [1]."""
-        best = self.mission is None or self.mission.filter is None
+        mission = self.question.journey
+        best = mission is None or mission.filter is None
         return TUNED if best else EXACT
 
     @property
     def normal_factor(self) -> Array:
         """Coverage factors of a normal error, shape (n_out,) [1]."""
-        limited = {one.output: one for one in self.requirement.limits}
-        coverage = [
-            self.requirement.coverage_of(limited[name])
-            for name in self.task.law.outputs
-        ]
+        wanted = self.question.wanted
+        limited = {one.output: one for one in wanted.limits}
+        coverage = [wanted.coverage_of(limited[name]) for name in self.task.law.outputs]
         return np.asarray(normal_coverage_factor(np.array(coverage)))
 
     @property
@@ -152,7 +138,7 @@ class SensorCase:
         """The triads with their lines as allocated."""
         return tuple(
             resize(sensor, self.task.law.sources, self.factors)
-            for sensor in self.sensors
+            for sensor in self.question.sensors
         )
 
     def known(self, s: Array) -> tuple[float, ...]:
@@ -166,18 +152,20 @@ class SensorCase:
 
         Maybe after another calibration. Shape (n_src,).
         """
-        how = procedure or self.procedure
         names = self.task.law.sources
-        knows = tuple(resize(one, names, np.asarray(known)) for one in self.sensors)
-        problem = required_problem(
-            self.sensors, how, self.requirement, self.mission, designed=(knows, how)
+        one = self.question.under(procedure or self.question.procedure)
+        knows = one.with_sensors(
+            resize(x, names, np.asarray(known)) for x in one.sensors
         )
+        problem = replace(one, designed=knows).problem
         return scaled_law(problem).select(self.task.law.outputs)
 
-    def allocated_problem(self) -> Problem:
-        """Return the calibration, or the mission, with the lines as allocated."""
-        return required_problem(
-            self.allocated, self.procedure, self.requirement, self.mission
+    @property
+    def found(self) -> Question:
+        """The calibration, or the mission, with the lines as allocated."""
+        one = self.question
+        return one.kept(
+            self.factors.tobytes(), lambda: one.with_sensors(self.allocated)
         )
 
     def at_most(self, ceilings: Mapping[Name, float]) -> SensorCase:
@@ -191,13 +179,10 @@ class SensorCase:
 
 
 def set_up(
-    sensors: tuple[Sensor, ...],
-    procedure: Procedure,
-    requirement: Requirement,
+    question: Question,
     bounds: Bounds,
     market: Mapping[Name, float],
     *,
-    mission: Mission | None = None,
     seed: int = 0,
 ) -> SensorCase | None:
     """Return the task of one sensor, None where nothing is required of it.
@@ -206,19 +191,14 @@ def set_up(
     the law; the present state is judged as every command does, and has the k of trials
     where these find another coverage than the law's.
     """
-    kinds = [sensor.kind for sensor in sensors]
-    names = known_outputs(kinds, procedure)
-    limits = [
-        limit
-        for limit in requirement.limits
-        if (limit.output in names if mission is None else limit.output.owner == MISSION)
-    ]
-    if not limits:
+    kinds = [sensor.kind for sensor in question.sensors]
+    problem, requirement, held = question.problem, question.wanted, question.held
+    if held is None:
         return None
-    problem = required_problem(sensors, procedure, requirement, mission)
-    there = with_accelerometers(sensors, procedure)
-    given = given_lines(there, procedure, mission=mission)
-    law = scaled_law(problem)
+    names = {output.name for output in held.outputs}
+    limits = [limit for limit in requirement.limits if limit.output in names]
+    given = question.lines
+    law = scaled_law(problem, question.law)
     statuses, low, high = [], [], []
     for name in law.sources:
         now = given[name].largest
@@ -228,15 +208,12 @@ def set_up(
         high.append(most)
     required = tuple(limit.output for limit in limits)
     coverage = np.array([requirement.coverage_of(limit) for limit in limits])
-    held = limit_problem(problem, requirement)
-    if held is None:
-        raise ValueError(f"none of {', '.join(required)} is an output of the problem")
-    judged = judge(held, propagate(problem), seed=seed)
+    judged = judge(held, question.law, seed=seed)
     task = Task(
         law=law.select(required),
         limit=np.array([limit.limit for limit in limits]),
         coverage_factor=normal_coverage_factor(coverage),
-        coverage=None if mission is None else coverage,
+        coverage=None if question.journey is None else coverage,
         free=np.array([status == FREE for status in statuses], dtype=bool),
         low=np.array(low),
         high=np.array(high),
@@ -246,14 +223,7 @@ def set_up(
     factor = np.where(judged.by_trials & is_off, k, task.coverage_factor)
     factor = shared_by_equals(task, task.now, factor)
     case = SensorCase(
-        sensors=sensors,
-        mission=mission,
-        procedure=procedure,
-        requirement=requirement,
-        given=given,
-        lacks=lacking(sensors, procedure, reference=requirement.reference)
-        if mission is None
-        else lacking_of_mission(sensors, procedure, mission, required),
+        question=question,
         outputs={output.name: output for output in problem.outputs},
         statuses=tuple(statuses),
         judged=judged,
@@ -382,12 +352,12 @@ def _prices(case: SensorCase, costs: Costs | None) -> Prices:
     c, p = [], []
     for name in case.task.law.sources:
         cost = named.get(name)
-        now = case.given[name].largest
+        now = case.question.lines[name].largest
         power = 1.0 if cost is None else cost.p
         ratio = 1.0
         if cost is not None and cost.u_ref is not None and now > 0.0:
             # In the maker's own terms, of a floor of the Allan curve 0.664 B.
-            ratio = cost.u_ref * case.given[name].factor / now
+            ratio = cost.u_ref * case.question.lines[name].factor / now
         if abs(power * log10(ratio)) > MOST_DECADES:
             raise CallError(
                 f"costs.{name}: u_ref is {ratio:.3g} times the "

@@ -63,9 +63,9 @@ def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
         return ()
     settings = [
         (sensor.kind, setting, _changed_laws(case, setting))
-        for sensor in case.sensors
-        if calibrates(sensor.kind, case.procedure)
-        for setting in _growing(sensor, case.procedure)
+        for sensor in case.question.sensors
+        if calibrates(sensor.kind, case.question.procedure)
+        for setting in _growing(sensor, case.question.procedure)
     ]
     return tuple(
         _grow(setting, partial(_used_of, case, law_at, s), kind, goal)

@@ -6,7 +6,6 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from budget.inputs.station import with_age
-from budget.missing.expected import expecting
 from budget.model.sources.later import AGEING
 from budget.studies.allocation.longer_tests import (
     AS_THEY_ARE,
@@ -35,9 +34,12 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
     nothing that is given ages.
     """
     ages = [
-        name for name in AGEING.values() for sensor in case.sensors if sensor.line(name)
+        name
+        for name in AGEING.values()
+        for sensor in case.question.sensors
+        if sensor.line(name)
     ]
-    if case.requirement.reference != "next_turn_on" or not ages:
+    if case.question.reference != "next_turn_on" or not ages:
         return ()
     states = [(AS_THEY_ARE, case.task.now)]
     if case.s is not None:
@@ -49,7 +51,7 @@ def find_recalibrations(case: SensorCase) -> tuple[Recalibration, ...]:
 
 def _aged(case: SensorCase, age: float) -> Procedure:
     """Return the procedure of a calibration that is as old [s]."""
-    return with_age(case.procedure, parse_quantity(f"{age!r} s", "s"))
+    return with_age(case.question.procedure, parse_quantity(f"{age!r} s", "s"))
 
 
 def _find(
@@ -71,8 +73,7 @@ def _find(
 
             age = float(brentq(lambda age: used(age) - 1.0, SOONEST, LATEST))
             utilisation = 1.0
-    reference = case.requirement.reference
-    oldest = [expecting(one, _aged(case, LATEST), reference) for one in case.sensors]
+    oldest = case.question.under(_aged(case, LATEST)).sensors
     return Recalibration(
         sensor=case.owner,
         goal=goal,

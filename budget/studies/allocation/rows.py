@@ -43,7 +43,7 @@ COUNTS = 1e-3  # part of a squared limit from which a source is said to count [1
 def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
     """Say of each limit who takes how much of it, now and after the allocation."""
     task, s = case.task, case.s
-    printed = {limit.output: limit.printed for limit in case.requirement.limits}
+    printed = {limit.output: limit.printed for limit in case.question.wanted.limits}
     # What is now is as every command judges it, each output by its own k.
     judged = case.judged.factor / case.present.roundness(task.now)
     states = [
@@ -64,7 +64,7 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
             floor=float(used[1][k]),
             allowed=None if s is None else float(used[2][k]),
             is_binding=bool(bound[k]),
-            lower_bound=bool(case.lacks[name]),
+            lower_bound=bool(case.question.lacks[name]),
             parts=tuple(
                 LimitPart(
                     source=source,
@@ -163,7 +163,7 @@ def _allotments(
     for g, name in enumerate(task.law.sources):
         if name.owner not in owners:
             continue
-        line = case.given[name]
+        line = case.question.lines[name]
         now = line.largest
         status = case.statuses[g]
         free = status == FREE

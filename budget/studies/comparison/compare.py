@@ -6,30 +6,29 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from budget.calibration.schemes import refusals, with_accelerometers
+from budget.calibration.schemes import calibrates, refusals
 from budget.errors import CallError
 from budget.inputs import load_calibration, load_devices, load_mission, load_requirement
 from budget.inputs.load import several
 from budget.inputs.use import in_use
 from budget.methods.execution import local_executor
-from budget.missing import REFUSE, fill
-from budget.missing.expected import expecting_device, missing_of
+from budget.missing import REFUSE
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
-from budget.question import (
-    mission_for,
-    needs_test,
-    not_calibrated,
-    not_estimated,
-    not_weighted,
-)
+from budget.question import Question, refuse_unjudged
 from budget.results import input_file, named_files
 from budget.sentences import sentence
 from budget.settings import Settings, stage
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import age_that_counts_not, of_no_vehicle
-from budget.studies.comparison.candidates import Candidate, missing_lines
+from budget.studies.cautions import (
+    age_that_counts_not,
+    not_calibrated,
+    not_estimated,
+    not_weighted,
+    of_no_vehicle,
+)
+from budget.studies.comparison.candidates import missing_lines
 from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
 from budget.studies.comparison.records import (
@@ -52,7 +51,6 @@ if TYPE_CHECKING:
         Mission,
         Procedure,
         Requirement,
-        Sensor,
         Station,
     )
     from budget.results import Standing
@@ -145,7 +143,6 @@ def compare(
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
     journey = None if mission is None else load_mission(mission)
-    mission_for(wanted, journey)
     of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
     shared = replace(wanted, limits=of_both)
     tests = tuple(
@@ -161,53 +158,40 @@ def compare(
         for one in several(procedures) or (None,)
     )
     for test in tests:
-        needs_test(wanted, test)
+        refuse_unjudged(wanted, journey, test)
     most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
     _check(method, trials=trials, max_trials=most, validate=validate)
     check_names(tests)
-    candidates = [
-        one
-        for test in tests
-        for place, device in enumerate(imus)
-        for on in ((None,) if journey is None else (None, journey))
-        for procedure in [in_use(test, wanted, journey)]
-        for bare in [
-            expecting_device(device, procedure, wanted.reference, every=on is not None)
-        ]
-        for filled in [fill(bare, missing, catalogue)]
-        for given, sensors in _subjects(bare, filled[0], on)
-        if (
-            one := Candidate(
-                device=filled[0],
-                place=place,
-                given=given,
-                sensors=sensors,
-                procedure=procedure,
-                requirement=shared if on is None and len(sensors) > 1 else wanted,
-                mission=on,
-                filling=filled[1],
-                catalogue=None if catalogue is None else tuple(catalogue),
-            )
-        ).is_limited
-    ]
-    candidates = [
-        replace(one, filling=one.filling.of(missing_of(one.given, one.procedure)))
-        for one in candidates
-    ]
-    refused = {
-        id(one): refusals(
-            with_accelerometers(one.sensors, one.procedure), one.procedure
-        )
-        for one in candidates
-    }
-    reasons = tuple(dict.fromkeys(text for some in refused.values() for text in some))
+    candidates, places = [], []
+    for test in tests:
+        how = in_use(test, wanted, journey)
+        for place, device in enumerate(imus):
+            for on in (None, journey)[: 1 if journey is None else 2]:
+                if not _can_be_asked(device, how, on):
+                    continue
+                one = Question.of(
+                    device,
+                    procedure=how,
+                    requirement=wanted,
+                    mission=on,
+                    carried_to=None if on is None else (),
+                    missing=missing,
+                    catalogue=catalogue,
+                )
+                candidates += [one.alone(owner) for owner in one.limited]
+                places += [place] * len(one.limited)
+    beyond = [refusals(one.there, one.procedure) for one in candidates]
+    reasons = tuple(dict.fromkeys(text for some in beyond for text in some))
     not_compared = _not_compared(imus, wanted, [one.owner for one in candidates])
-    tested = [one for one in candidates if not refused[id(one)]]
+    tested = [k for k, texts in enumerate(beyond) if not texts]
     if reasons and (strict or not tested):
         raise CallError("\n".join(reasons))
-    owners = {one.owner for one in tested}
-    untested = dict.fromkeys(one.owner for one in candidates if one.owner not in owners)
-    candidates = tested
+    every = dict.fromkeys(one.owner for one in candidates)
+    places, candidates = (
+        [places[k] for k in tested],
+        [candidates[k] for k in tested],
+    )
+    untested = [one for one in every if one not in {x.owner for x in candidates}]
     judged = [one for one in candidates if one.has_lines]
     if not candidates:
         raise CallError(
@@ -231,8 +215,10 @@ def compare(
             ahead=2 * workers,
             progress=stage(progress, "comparison of devices"),
         )
+    where = {id(one): place for one, place in zip(candidates, places, strict=True)}
     verdicts = [
-        _verdict(one, finding) for one, finding in zip(judged, findings, strict=True)
+        _verdict(one, where[id(one)], finding)
+        for one, finding in zip(judged, findings, strict=True)
     ]
     ranked = rank(verdicts)
     return Comparison(
@@ -261,7 +247,9 @@ def compare(
         not_compared=not_compared,
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, unjudged(one.case)) for one in candidates if not one.has_lines
+            _entrant(one, place, unjudged(one))
+            for one, place in zip(candidates, places, strict=True)
+            if not one.has_lines
         ),
         untested=tuple(untested),
         imus=rank_imus(ranked, is_shared=bool(of_both)),
@@ -283,7 +271,7 @@ def compare(
                 sentence("assumed.of", key=device.name, text=text)
                 for device in (
                     *imus,
-                    *(one.device for one in candidates if one.filling.lines),
+                    *(one.devices[0] for one in candidates if one.filled.lines),
                 )
                 for text in (
                     *device.assumptions,
@@ -314,18 +302,13 @@ def compare(
     )
 
 
-def _subjects(
-    given: Device, filled: Device, mission: Mission | None
-) -> Iterator[tuple[tuple[Sensor, ...], tuple[Sensor, ...]]]:
-    """Yield what is judged of a device: each triad and both, or both on a mission.
-
-    As the file gives them, and with what stands for lines that are not given.
-    """
-    if mission is None:
-        for one, sensor in zip(given.sensors, filled.sensors, strict=True):
-            yield (one,), (sensor,)
-    if len(filled.sensors) == len(SENSORS):
-        yield given.sensors, filled.sensors
+def _can_be_asked(
+    device: Device, procedure: Procedure, mission: Mission | None
+) -> bool:
+    """Whether anything of a device is calibrated, or both triads are on the mission."""
+    if mission is not None:
+        return len(device.sensors) == len(SENSORS)
+    return any(calibrates(sensor.kind, procedure) for sensor in device.sensors)
 
 
 def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
@@ -355,7 +338,7 @@ def check_names(procedures: Sequence[Procedure]) -> None:
         )
 
 
-def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
+def _verdict(one: Question, place: int, finding: JudgedCandidate) -> DeviceVerdict:
     """Turn a finding into the verdict on one sensor of one device."""
     judged = finding.judged
     is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
@@ -364,7 +347,7 @@ def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
     if finding.doubt is None and judged.trials is None and (is_near or judged.is_open):
         advice = sentence("comparisons.advice", is_near=is_near)
     return DeviceVerdict(
-        **vars(_entrant(one, finding.standing)),
+        **vars(_entrant(one, place, finding.standing)),
         utilisation=judged.utilisation,
         utilisation_interval=judged.utilisation_interval,
         worst_output=finding.worst,
@@ -381,12 +364,12 @@ def _verdict(one: Candidate, finding: JudgedCandidate) -> DeviceVerdict:
     )
 
 
-def _entrant(one: Candidate, standing: Standing) -> Entrant:
+def _entrant(one: Question, place: int, standing: Standing) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not."""
-    device, caps = one.device, one.requirement.caps
+    device, caps = one.devices[0], one.wanted.caps
     return Entrant(
         name=device.name,
-        place=one.place,
+        place=place,
         sensor=one.owner,
         procedure=one.procedure.name,
         file=device.origin.file,
@@ -416,7 +399,7 @@ def _entrant(one: Candidate, standing: Standing) -> Entrant:
 def _warnings(
     devices: Sequence[Device],
     requirement: Requirement,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Question],
     findings: Sequence[JudgedCandidate],
     not_compared: Sequence[str],
 ) -> tuple[str, ...]:
@@ -436,7 +419,7 @@ def _warnings(
     doubts: dict[str, dict[str, None]] = {}
     for one, finding in zip(candidates, findings, strict=True):
         if finding.doubtful:
-            own = doubts.setdefault(one.device.name, {})
+            own = doubts.setdefault(one.devices[0].name, {})
             own |= dict.fromkeys(finding.doubtful)
     return (
         *([sentence("comparisons.same_name", names=sorted(twice))] if twice else []),

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.errors import CallError
 from budget.methods.execution import in_order
-from budget.methods.gum import propagate
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
-from budget.studies.comparison.candidates import Candidate, find_remedy
+from budget.studies.comparison.candidates import find_remedy
 from budget.studies.comparison.records import Lead, Remedy
 from budget.studies.doubt import doubt_of
 from budget.studies.judgement import (
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from budget.names import Name
+    from budget.question import Limited, Question
     from budget.results import Doubt, OutputAssessment, ReadingVerdicts, Standing
 
 
@@ -72,7 +73,7 @@ class JudgedCandidate:
 
 
 def judge_all(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Question],
     judging: Judging,
     *,
     executor: Executor | None,
@@ -110,12 +111,11 @@ def judge_all(
     return [findings[place] for place in range(len(candidates))]
 
 
-def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate:
+def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
     """Judge one candidate, by the law alone or as every command does."""
-    one, _ = task
-    held = one.limited()
-    law = propagate(held.problem)
-    prediction = one.filling.prediction
+    one = replace(task[0])  # of thousands no Problem is kept
+    held, law = held_of(one), one.law
+    prediction = one.filled.prediction
     doubtful: tuple[str, ...] = ()
     if judging.method == "gum" and not judging.validate:
         judged = screen(held, law, seed=judging.seed)
@@ -148,15 +148,13 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         by_law = judging.method == "gum" and not judging.validate
         is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
-            one.sensors[0],
-            one.procedure,
-            one.requirement,
+            one,
             seed=judging.seed,
             by_law=by_law,
             taken=judged if by_law or is_usual else None,
         )
     standing = decide(
-        one.case,
+        one,
         held,
         law,
         judged,
@@ -168,7 +166,7 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
         judged=judged,
         closer=judged,
         standing=standing,
-        outputs=assess_outputs(held, judged, standing, one.lacks(held)),
+        outputs=assess_outputs(held, judged, standing, one.lacks),
         worst=names[judged.worst],
         all_worst=tuple(names[place] for place in judged.all_worst),
         remedy=find_remedy(held, law, judged),
@@ -180,17 +178,33 @@ def _judge(task: tuple[Candidate, None], *, judging: Judging) -> JudgedCandidate
     )
 
 
+def held_of(one: Question) -> Limited:
+    """Return its Problem with the limits on it.
+
+    Raises
+    ------
+    CallError
+        Nothing is required of it.
+    """
+    if one.held is None:
+        raise CallError(
+            f"{one.wanted.name} limits nothing of the {one.owner}; "
+            "add limits for it, or leave it out"
+        )
+    return one.held
+
+
 def _look_closer(
-    task: tuple[Candidate, JudgedCandidate], *, judging: Judging, trials: int
+    task: tuple[Question, JudgedCandidate], *, judging: Judging, trials: int
 ) -> JudgedCandidate:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
     if (finding.closer.trials or 0) >= trials:
         return finding
-    held = one.limited()
+    one = replace(one)
     closer = judge_with(
-        held,
-        propagate(held.problem),
+        held_of(one),
+        one.law,
         seed=judging.seed,
         trials=trials,
     )
@@ -198,7 +212,7 @@ def _look_closer(
 
 
 def _tied(
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Question],
     findings: dict[int, JudgedCandidate],
     max_trials: int,
 ) -> list[int]:
@@ -210,7 +224,7 @@ def _tied(
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
     for place, one in enumerate(candidates):
-        if one.missing or one.filling.lines:
+        if one.missing or one.filled.lines:
             continue  # no trial says how a line that is not given would rank it
         if findings[place].standing.verdict == FAILS:
             continue

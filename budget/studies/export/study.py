@@ -14,7 +14,7 @@ from budget.documents import written
 from budget.errors import CallError
 from budget.inputs import load_devices, load_procedure
 from budget.missing import REFUSE as REFUSE_MISSING
-from budget.missing import fill
+from budget.missing import fill_all
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.question import sensors_of
@@ -152,9 +152,8 @@ def export(
             f"a procedure changes nothing without --residual: {target.name} gets the "
             "raw figures of the data sheet; add --residual, or leave the procedure out"
         )
-    filled = [fill(device, missing, catalogue) for device in imus]
-    imus = tuple(device for device, _ in filled)
-    told = {line.source: line for _, filling in filled for line in filling.lines}
+    imus, filling = fill_all(imus, missing, catalogue)
+    told = {line.source: line for line in filling.lines}
     sensors = {one.kind: one for one in sensors_of(imus)}
     absent = [kind for kind in SENSORS if kind not in sensors]
     if absent:

@@ -35,8 +35,8 @@ from budget.model.response import Truth
 from budget.model.scheme import Held
 from budget.model.windows import OUTER, Setting, Window
 from budget.names import parameters_of
-from budget.question import not_weighted
 from budget.studies.analysis import analyze
+from budget.studies.cautions import not_weighted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, STANDARD_GRAVITY
 
 G = 9.7966933092

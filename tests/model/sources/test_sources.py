@@ -22,6 +22,7 @@ from acting import (
 )
 from builders import (
     NOWHERE,
+    asked,
     at_sources,
     line,
     paper_accelerometer,
@@ -476,7 +477,7 @@ def test_allocation_leaves_a_shared_source_its_part_of_a_limit():
     )
     how = procedure(station=(line("turn_angle", [turn]),))
     bounds = Bounds(held=frozenset(), least={}, most={})
-    case = set_up((sensor,), how, requirement, bounds, {})
+    case = set_up(asked(sensor, procedure=how, requirement=requirement), bounds, {})
     solved = solve(case, "proportional", None)
     shared = np.sqrt(2.0) * turn / (4.0 * np.pi)
     k = ndtri(0.975)

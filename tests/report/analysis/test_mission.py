@@ -49,8 +49,7 @@ from budget.report.figures.growth import (
 )
 from budget.report.mission import by_time, contributions
 from budget.report.tables import unit_for
-from budget.settings import Settings
-from budget.studies.analysis import analyze_as
+from budget.studies.analysis import analyze
 from budget.studies.mission import curve, drawn_times
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
@@ -71,13 +70,13 @@ LIMITS = {
 @cache
 def carried(*, limited=False):
     """Return the budget of an outage, with a limit or without."""
-    return analyze_as(
-        Settings(reference="next_turn_on", validate=False),
-        load_device("zhao-2019"),
+    return analyze(
+        "zhao-2019",
+        validate=False,
         procedure=load_procedure(None),
         requirement=load_requirement(LIMITS) if limited else None,
-        mission=load_mission("outage-60-s"),
-        carried_to=(10.0, 60.0),
+        mission="outage-60-s",
+        at=(10.0, 60.0),
         command="mission",
     )
 
@@ -390,12 +389,11 @@ AIDED = TESTS / "data" / "aided"
 def aided(unit, name):
     """Return the budget of one of the missions with aids, and how its errors grow."""
     mission = load_mission(AIDED / f"{name}.yaml")
-    found = analyze_as(
-        Settings(reference="next_turn_on", validate=False),
-        load_device(AIDED / f"{unit}.yaml"),
+    found = analyze(
+        AIDED / f"{unit}.yaml",
+        validate=False,
         procedure=uncalibrated("factory"),
         mission=mission,
-        carried_to=mission.at,
         command="mission",
     )
     return found, curve(found.question, drawn_times(mission, mission.at))
@@ -468,13 +466,12 @@ OUTAGE = {
 def bare(*, limited=False):
     """Return the budget of a sheet that lacks much on a mission that states little."""
     mission = load_mission(OUTAGE)
-    return analyze_as(
-        Settings(reference="next_turn_on", validate=False),
+    return analyze(
         load_device(SHEET),
+        validate=False,
         procedure=uncalibrated("factory"),
         requirement=load_requirement(LIMITS) if limited else None,
         mission=mission,
-        carried_to=mission.at,
         command="mission",
     )
 

@@ -12,15 +12,14 @@ from numpy.testing import assert_allclose
 from budget.errors import CallError
 from budget.inputs import load_device, load_mission, load_procedure
 from budget.inputs.records import Limit
-from budget.methods.gum import propagate
 from budget.methods.scaling import scaled_law
 from budget.names import MISSION, Name
+from budget.question import Question
 from budget.studies.allocation import allocate as module
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import STRATEGIES, Bounds, resize
 from budget.studies.allocation.longer_tests import find_longer_tests
 from budget.studies.comparison.compare import compare
-from budget.studies.judgement import required_problem
 from budget.units import ARCSEC
 
 ZHAO = load_device("zhao-2019")
@@ -217,19 +216,18 @@ def test_limits_on_a_mission_need_one():
 @pytest.mark.parametrize("coverage", [0.5, 0.95, 0.999])
 def test_coverage_factor_of_a_length_follows_its_ellipse(coverage):
     """For other sizes of the sources it is that of the law propagated anew."""
-    sensors, wanted = ZHAO.sensors, on_mission()
-    procedure = load_procedure(None)
-    problem = required_problem(sensors, procedure, wanted, BENCH)
+    unit = Question.of(ZHAO, requirement=on_mission(), mission=BENCH, carried_to=())
+    problem = unit.problem
     law = scaled_law(problem).select((HORIZONTAL,))
     row = next(k for k, one in enumerate(problem.outputs) if one.name == HORIZONTAL)
     rng = np.random.default_rng(7)
 
     for _ in range(3):
         s = np.exp(rng.normal(0.0, 2.0, len(law.sources)))
-        resized = tuple(resize(sensor, law.sources, s) for sensor in sensors)
+        resized = unit.with_sensors(resize(x, law.sources, s) for x in unit.sensors)
         held = [name.owner not in {"gyro", "accelerometer"} for name in law.sources]
         s = np.where(held, 1.0, s)
-        anew = propagate(required_problem(resized, procedure, wanted, BENCH))
+        anew = resized.law
         along = law.roundness(s, np.array([coverage]))
         normal = anew.coverage_factor(coverage)[0]  # of a component
         assert_allclose(

@@ -16,10 +16,9 @@ from budget.inputs import load_device, load_mission, load_requirement, uncalibra
 from budget.methods.allocation import headroom_of
 from budget.methods.scaling import scaled_law
 from budget.names import Name
-from budget.question import Question, navigating
+from budget.question import Question
 from budget.studies.allocation import cases, rows
 from budget.studies.allocation.allocate import allocate
-from budget.studies.judgement import required_problem
 from budget.studies.mission import curve
 
 DATA = TESTS / "data" / "aided"
@@ -92,12 +91,15 @@ def nothing_alone(monkeypatch):
 def case():
     """Return tac on g1 under a limit."""
     return cases.set_up(
-        navigating((load_device(DATA / "tac.yaml"),)),
-        FACTORY,
-        load_requirement(way(7.0)),
+        Question.of(
+            load_device(DATA / "tac.yaml"),
+            procedure=FACTORY,
+            requirement=load_requirement(way(7.0)),
+            mission=load_mission(DATA / "g1.yaml"),
+            carried_to=(),
+        ),
         cases.NO_BOUNDS,
         {},
-        mission=load_mission(DATA / "g1.yaml"),
     )
 
 
@@ -120,8 +122,9 @@ def test_a_filter_knows_the_lines_and_what_calibrated_them():
     """The law after another calibration is that of such a unit set up by itself."""
     one, s = case(), of_walk(2.0)
     how = uncalibrated("none")
-    own = tuple(cases.resize(sensor, one.law.sources, s) for sensor in one.sensors)
-    afresh = scaled_law(required_problem(own, how, one.requirement, one.mission))
+    unit = one.question.under(how)
+    own = (cases.resize(sensor, one.law.sources, s) for sensor in unit.sensors)
+    afresh = scaled_law(unit.with_sensors(own).problem)
     alike = afresh.select(one.law.outputs).variance(one.task.now)
     assert_allclose(one.law_of(one.known(s), how).variance(s), alike, rtol=1e-9)
 

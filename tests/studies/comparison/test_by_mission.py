@@ -16,8 +16,7 @@ from budget.errors import CallError
 from budget.inputs import load_device, load_mission, uncalibrated
 from budget.inputs.records import Limit
 from budget.names import MISSION, Name
-from budget.settings import Settings
-from budget.studies.analysis import analyze, analyze_as
+from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 
 pytestmark = pytest.mark.usefixtures("variates_once")
@@ -82,13 +81,8 @@ def test_verdict_is_that_of_the_mission_itself(name, limit):
     )
 
     (row,) = compare([given], wanted, mission=BENCH).devices
-    budget = analyze_as(
-        Settings(method="gum", reference="next_turn_on"),
-        given,
-        procedure=uncalibrated("factory"),
-        requirement=wanted,
-        mission=BENCH,
-        carried_to=(),
+    budget = analyze(
+        given, procedure=uncalibrated("factory"), requirement=wanted, mission=BENCH
     )
     (found,) = budget.assessment.sensors
 

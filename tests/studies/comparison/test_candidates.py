@@ -26,6 +26,7 @@ from budget.errors import CallError
 from budget.inputs.records import Requirement
 from budget.methods.gum import propagate
 from budget.missing.grades import completeness, grade, kind_of_device
+from budget.question import Question
 from budget.studies.comparison.candidates import find_remedy
 from budget.studies.figures_of_merit import (
     Amount,
@@ -33,7 +34,7 @@ from budget.studies.figures_of_merit import (
     over_cap,
     read_amount,
 )
-from budget.studies.judgement import limit_problem, screen
+from budget.studies.judgement import screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 # What limits it, and what is missing
@@ -42,8 +43,8 @@ from budget.units import DEG_PER_HOUR, MICRO_G
 def test_remedy_brings_the_worst_output_to_its_limit():
     """With the factor on the limiting source alone, the law's utilisation is 1."""
     bad = paper_device(times=3.0)
-    one = limit_problem(calibration_problem((bad.gyro,), procedure()), requirement())
-    law = propagate(one.problem)
+    asked = Question.of(bad, procedure=procedure(), requirement=requirement())
+    one, law = asked.held, asked.law
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
     judged = screen(one, law, seed=0)
     worst = judged.worst

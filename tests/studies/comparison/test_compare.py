@@ -24,11 +24,10 @@ from numpy.testing import assert_allclose
 from scipy.special import ndtr
 from scipy.stats import binomtest
 
-from budget.calibration.problem import calibration_problem
 from budget.distributions import UNIFORM
-from budget.methods.gum import propagate
 from budget.problem import Problem
-from budget.studies.judgement import _binomial, limit_problem
+from budget.question import Question
+from budget.studies.judgement import _binomial
 from budget.units import DEG_PER_HOUR
 
 # Verdicts
@@ -172,10 +171,10 @@ def test_joint_conformance_of_correlated_errors():
     """
     lines = {"bias_stability": 1.0 * DEG_PER_HOUR}
     found = compared([device("x", gyro=lines)], method="gum").devices[0]
-    one = limit_problem(
-        calibration_problem((device("x", gyro=lines).gyro,), procedure()), requirement()
+    one = Question.of(
+        device("x", gyro=lines), procedure=procedure(), requirement=requirement()
     )
-    law = propagate(one.problem)
+    law, one = one.law, one.held
     rng = np.random.default_rng(5)
     n = 200_000
     y = rng.multivariate_normal(
