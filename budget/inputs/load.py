@@ -7,7 +7,7 @@ from dataclasses import is_dataclass, replace
 from functools import lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -101,9 +101,7 @@ def load_devices(
             return (one,)
         return load_changed([one], (), variants=variants)
 
-    found, issues = try_all(several(given), load)
-    if issues:
-        raise SpecError(tuple(issues))
+    found = _sound(*try_all(several(given), load))
     return tuple(device for some in found for device in some)
 
 
@@ -126,10 +124,7 @@ def load_changed(
     SpecError
         With the issues of all files.
     """
-    devices, issues = try_changed(paths, changes, variants=variants)
-    if issues:
-        raise SpecError(tuple(issues))
-    return tuple(devices)
+    return tuple(_sound(*try_changed(paths, changes, variants=variants)))
 
 
 def try_changed(
@@ -159,13 +154,7 @@ def _load(
     names: tuple[str, ...] = (file.variant,)
     if variants and not file.variant:
         names = variant_names(document)
-    devices: list[Device] = []
-    issues: list[Issue] = []
-    for name in names:
-        try:
-            devices.append(_read(document, file, name, changes))
-        except SpecError as error:
-            issues.extend(error.issues)
+    devices, issues = try_all(names, lambda name: _read(document, file, name, changes))
     if issues:
         raise all_of(issues)
     return tuple(devices)
@@ -175,10 +164,8 @@ def _read(
     document: YamlFile, file: NamedFile, variant: str, changes: Sequence[Override]
 ) -> Device:
     """Read one device with those of the changes that are its own."""
-    own: Sequence[Override] = ()
-    if changes:
-        root = root_of(document, variant)
-        own = [change for change in changes if change.is_of(file, variant, root)]
+    root = root_of(document, variant) if changes else document.root
+    own = [change for change in changes if change.is_of(file, variant, root)]
     same = replace(file, variant=variant, content=document.text.encode())
     if own:
         device = read_device(document, variant, own)
@@ -387,9 +374,7 @@ def without_test(procedure: Procedure, word: str) -> Procedure:
 
 def load_station(path: Station | File) -> Station:
     """Read a test station. Raises as load_device."""
-    if isinstance(path, Station):
-        return path
-    return read_station(_open(path, "station"))
+    return cast("Station", _record(path, "station"))
 
 
 def load_stations() -> tuple[Station, ...]:
@@ -401,31 +386,22 @@ def load_stations() -> tuple[Station, ...]:
         Everything that is wrong with any of the files.
     """
     folder = shipped("specs") / FOLDERS["station"]
-    found, issues = try_all(sorted(folder.glob("*.yaml")), load_station)
-    if issues:
-        raise SpecError(tuple(issues))
-    return tuple(found)
+    return tuple(_sound(*try_all(sorted(folder.glob("*.yaml")), load_station)))
 
 
 def load_mission(path: Mission | File) -> Mission:
     """Read a mission. Raises as load_device."""
-    if isinstance(path, Mission):
-        return path
-    return read_mission(_open(path, "mission"))
+    return cast("Mission", _record(path, "mission"))
 
 
 def load_requirement(path: Requirement | File) -> Requirement:
     """Read a requirement. Raises as load_device."""
-    if isinstance(path, Requirement):
-        return path
-    return read_requirement(_open(path, "requirement"))
+    return cast("Requirement", _record(path, "requirement"))
 
 
 def load_costs(path: Costs | File) -> Costs:
     """Read the costs of better lines. Raises as load_device."""
-    if isinstance(path, Costs):
-        return path
-    return read_costs(_open(path, "costs"))
+    return cast("Costs", _record(path, "costs"))
 
 
 def variants(path: File) -> tuple[str, ...]:
@@ -455,10 +431,8 @@ def validate(path: File, changes: Changes = ()) -> Checked:
     SpecError
         Everything that is wrong with the file, each at its place.
     """
-    found, issues = try_valid([path], changes)
-    if issues:
-        raise SpecError(tuple(issues))
-    return found[0]
+    (found,) = _sound(*try_valid([path], changes))
+    return found
 
 
 def try_valid(
@@ -484,56 +458,48 @@ def _validate(path: File, changes: Sequence[Override]) -> Checked:
     document = open_file(file)
     if document.kind != "device":
         _refuse_variant(file)
-        record = _READERS[document.kind](document)
+        _, read = _READERS[document.kind]
+        said = read(document).assumptions
         return Checked(
-            file=file.shown,
-            kind=document.kind,
-            variants=(),
-            assumptions=record.assumptions,
+            file=file.shown, kind=document.kind, variants=(), assumptions=said
         )
-    assumptions: list[str] = []
-    ranges: list[str] = []
-    devices: list[Device] = []
-    used: list[str] = []
-    issues: list[Issue] = []
-    names: tuple[str, ...] = ("",)
-    try:
-        names = variant_names(document)
-    except SpecError as error:
-        issues.extend(error.issues)
-    for name in dict.fromkeys((*names, file.variant or names[0])):
-        try:
-            device = _read(document, file, name, changes)
-            devices.append(device)
-            assumptions.extend(device.assumptions)
-            ranges.append(device.range)
-            used.extend(device.origin.used)
-        except SpecError as error:
-            issues.extend(error.issues)
-        if len(issues) > MOST_ISSUES:
-            break
-    if issues:
+    named, issues = try_all([document], variant_names)
+    names = named[0] if named else ("",)
+    devices, more = try_all(
+        dict.fromkeys((*names, file.variant or names[0])),
+        lambda name: _read(document, file, name, changes),
+    )
+    if issues := [*issues, *more]:
         raise all_of(issues)
+
+    def each(texts: Iterable[str]) -> tuple[str, ...]:
+        """Return texts that are some, each once."""
+        return tuple(dict.fromkeys(filter(None, texts)))
+
     return Checked(
         file=f"{file.shown}#{file.variant}" if file.variant else file.shown,
         kind=document.kind,
         variants=names,
-        assumptions=tuple(dict.fromkeys(assumptions)),
-        ranges=tuple(dict.fromkeys(filter(None, ranges))),
+        assumptions=each(text for one in devices for text in one.assumptions),
+        ranges=each(device.range for device in devices),
         devices=tuple(devices),
-        changes=tuple(dict.fromkeys(used)),
+        changes=each(text for one in devices for text in one.origin.used),
     )
 
 
-_READERS: dict[
-    str, Callable[[YamlFile], Procedure | Station | Mission | Requirement | Costs]
-] = {
-    "procedure": read_procedure,
-    "station": read_station,
-    "mission": read_mission,
-    "requirement": read_requirement,
-    "costs": read_costs,
+_READERS: dict[str, tuple[type, Callable[[YamlFile], Any]]] = {
+    "procedure": (Procedure, read_procedure),
+    "station": (Station, read_station),
+    "mission": (Mission, read_mission),
+    "requirement": (Requirement, read_requirement),
+    "costs": (Costs, read_costs),
 }
+
+
+def _record(given: Any, kind: str) -> object:  # noqa: ANN401 - a record or a file
+    """Return a record, read where its file is given."""
+    record, read = _READERS[kind]
+    return given if isinstance(given, record) else read(_open(given, kind))
 
 
 def _open(path: File, kind: str) -> YamlFile:
@@ -576,7 +542,16 @@ def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[I
             found.append(load(path))
         except SpecError as error:
             issues.extend(error.issues)
+            if len(issues) > MOST_ISSUES:
+                break
     return found, issues
+
+
+def _sound(found: list[T], issues: Sequence[Issue]) -> list[T]:
+    """Return what was read, where nothing is wrong; raise what is."""
+    if issues:
+        raise SpecError(tuple(issues))
+    return found
 
 
 def load_all(paths: Sequence[File]) -> tuple[Device, ...]:
