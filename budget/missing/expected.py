@@ -17,7 +17,6 @@ from budget.calibration.derived import known_outputs, rotations_of
 from budget.calibration.mission import REFERENCE, mission_problem
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    WEIGHTED,
     initial_lines,
     is_beside,
     with_accelerometers,
@@ -25,6 +24,7 @@ from budget.calibration.schemes import (
 from budget.inputs.records import Sensor
 from budget.inputs.specification import time_of
 from budget.missing import line_of
+from budget.model.estimators import estimator_of
 from budget.model.sources import SENSORS, blamed_outside, lines_of, source_of
 from budget.model.sources.later import AGEING, age_in
 from budget.model.sources.processes import FlickerNoise
@@ -215,7 +215,7 @@ def _reached(
         (one.kind, (*one.nominal_bias, *one.nominal_mounting_angle)) for one in triads
     )
     # An estimator that weighs by noise lines is another one with more of them.
-    is_weighted = procedure.formulas == WEIGHTED
+    is_weighted = estimator_of(procedure.formulas).weighs_noise
     together = [frozenset(asked.values())] if is_weighted else _together()
     found: dict[Name, tuple[Name, ...]] = {}
     for lines in together:

@@ -85,6 +85,8 @@ class Scheme:
     knows_attitudes: ClassVar[bool] = True
     # Whether turns are known; else what is turned is found, and a wrong one no error.
     knows_turns: ClassVar[bool] = True
+    # What W weighs: each axis its windows, or as a page of weights calls it.
+    weighed: ClassVar[str] = "windows"
 
     owner: str
     schedule: Schedule
@@ -192,6 +194,15 @@ class Scheme:
     def senses(self) -> Array:
         """Signs of the turns as seen by the input, 0 of dwells, shape (n,) [1]."""
         return self.schedule.senses * self.turn.any(axis=1)
+
+    def shown_weights(self) -> tuple[list[tuple[str, Array]], dict[str, Array]]:
+        """Return what is weighed, with its mean input, and W by axis, '' of all."""
+        inputs = self.turn + self.standing
+        names = (window.name for window in self.schedule.windows)
+        parts = list(zip(names, inputs, strict=True))
+        if all(np.array_equal(self.weights[0], W) for W in self.weights):
+            return parts, {"": self.weights[0]}
+        return parts, dict(zip(AXES, self.weights, strict=True))
 
     def weigh(self, values: Array, weights: Array | None = None) -> Array:
         """Return W applied to values of the windows, shape (3, 4, m).

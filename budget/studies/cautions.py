@@ -10,9 +10,10 @@ import numpy as np
 
 from budget.calibration.mission import not_carried, of_test_alone
 from budget.calibration.saturation import saturations
-from budget.calibration.schemes import WEIGHTED, calibrates, noise_of, removal
+from budget.calibration.schemes import calibrates, noise_of, removal
 from budget.inputs.records import UNCALIBRATED
 from budget.inputs.specification import time_of
+from budget.model.estimators import estimator_of
 from budget.model.source import Coefficient, Disturbance, Nonlinearity, TurnOnChange
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
@@ -95,7 +96,7 @@ def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
 
 def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
     """Say for which triads there is no noise that an estimator could weigh by."""
-    if procedure.formulas != WEIGHTED:
+    if not estimator_of(procedure.formulas).weighs_noise:
         return ()
     return tuple(
         sentence("cautions.no_weights", sensor=sensor.kind)

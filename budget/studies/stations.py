@@ -35,7 +35,6 @@ import numpy as np
 from budget.calibration.derived import known_outputs, outputs_for
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    WEIGHTED,
     removal,
     schemes_of,
     with_accelerometers,
@@ -55,6 +54,7 @@ from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
+from budget.model.estimators import estimator_of
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -509,7 +509,7 @@ class _Case:
         """
         sensors = self.question.sensors
         kinds = tuple(sensor.kind for sensor in sensors)
-        if procedure.formulas != WEIGHTED:
+        if not estimator_of(procedure.formulas).weighs_noise:
             sensors = tuple(map(_coefficients_alone, sensors))
         triads = [
             Triad(
