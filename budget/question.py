@@ -1,4 +1,20 @@
-"""What is asked: devices, procedure, limits, mission; its Problem and law."""
+"""What is asked: devices, procedure, limits, mission; its Problem and law.
+
+The way from a data sheet to a page:
+
+- `inputs` read files to records: a Device has Sensors, triads, a Sensor has ErrorLines;
+  a Procedure has windows, lines of station and environment; a Requirement has Limits.
+- `Question.load` puts records together: the procedure in its use, what a sheet does not
+  give expected and filled (`missing`), names resolved, what does not fit refused.
+- `Question.problem` is the measurement function with its inputs (`calibration`, of
+  `model`'s sources), `law` its propagation (`methods.gum`), `held` its limits. `alone`,
+  `under`, `in_use`, `with_lines` are the same Question otherwise, each made once.
+- `studies` are functions of a Question: `analyze_as` to a Budget, of which
+  `conformity.assess` judges each owner of limits (`judgement.judge` by trials,
+  `verdicts.decide` by what is not given); `allocate_as`, `compare`, `qualify`.
+- What they return writes its own documents (`documents`), and `report` its pages, by
+  templates.
+"""
 
 from __future__ import annotations
 
@@ -424,11 +440,14 @@ class Question:
 
         Raises
         ------
-        ValueError
+        CallError
             There are none.
         """
         if self.requirement is None:
-            raise ValueError("no limits were asked for")
+            raise CallError(
+                "requirement is None, and there is nothing to judge without limits; "
+                "give a requirement"
+            )
         return self.requirement
 
     @property

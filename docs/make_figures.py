@@ -13,10 +13,10 @@ import budget
 from budget.calibration.schemes import calibrates, schedule_of
 from budget.question import question_of
 from budget.report.figures.growth import growth_pictures
-from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
+from budget.report.figures.rows import Bar, Chart, ChartGroup, ChartPanel, ChartRow
 from budget.report.figures.rows import draw as draw_rows
 from budget.report.figures.sources import share_chart
-from budget.report.figures.style import BLUE, HATCH, MUTED, PAPER, to_svg
+from budget.report.figures.style import BLUE, HATCH, MUTED, PAPER, Scale, to_svg
 from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
@@ -103,7 +103,7 @@ def choice() -> Chart:
         method="gum",
     ).to_frame()
     rows = tuple(
-        Row(
+        ChartRow(
             label=one.name,
             marks=(
                 Bar(
@@ -127,7 +127,7 @@ def choice() -> Chart:
     return Chart(
         name="which-imu",
         title="",
-        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
+        panels=(ChartPanel(scale=scale, groups=(ChartGroup(rows=rows),)),),
         beside=("% of limit", "verdict"),
         legend=((MUTED, HATCH, "at least: a specification is not given"),),
         width=WIDE_ENOUGH,

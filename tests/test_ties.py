@@ -11,7 +11,7 @@ from report_examples import make_assessment, make_budget
 from budget.inputs.records import ANGLES
 from budget.names import Name
 from budget.report.analysis.verdict import verdict_cards
-from budget.report.figures.outputs import utilisation_title
+from budget.report.figures.outputs import utilisation_chart
 from budget.report.tables import (
     join_outputs,
     print_given,
@@ -127,7 +127,7 @@ def test_words_of_a_report_do_not_hang_on_noise():
         budget = shaken(make_budget(), seed)
         assessment = make_assessment(budget)
         cards = verdict_cards(budget, assessment)
-        said.add((repr_texts(cards), utilisation_title(assessment)))
+        said.add((repr_texts(cards), utilisation_chart(assessment).title))
 
     assert len(said) == 1
 

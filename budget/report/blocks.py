@@ -10,19 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import groupby
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from budget.language import say, speaking, spoken
 
 if TYPE_CHECKING:
     from collections.abc import (
         Callable,
-        Hashable,
         Iterable,
         Iterator,
         Mapping,
-        Sequence,
     )
 
     from budget.report.formulas import Math
@@ -151,76 +148,6 @@ class Table:
                         f"table {self.name!r}: a row has {len(row)} cells, "
                         f"expected {len(self.columns)}"
                     )
-
-
-R = TypeVar("R")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Field(Column, Generic[R]):
-    """A column with what stands in it of a record, for every form of a table."""
-
-    # What stands in it of a record; plain text may come as it is.
-    cell: Callable[[R], Cell | str]
-    optional: bool = False  # whether the column goes where nothing stands in it
-    key: str = ""  # its name for a program, where it has one
-
-
-def table_of(
-    records: Iterable[R],
-    fields: Sequence[Field[R]],
-    *,
-    name: str,
-    caption: str,
-    by: Callable[[R], Hashable] | None = None,
-    titled: bool = False,
-    is_wide: bool = False,
-    searchable: bool = False,
-    for_pen: bool = False,
-) -> Table:
-    """Set records, a row each, under the columns that are declared for them.
-
-    `by` says what rows of one group have in common (without it all are one group),
-    `titled` whether that stands above each group.
-    """
-    groups = [
-        (key, [[_cell(field.cell(one)) for field in fields] for one in own])
-        for key, own in groupby(records, by or (lambda _: ""))
-    ]
-    kept = [
-        (place, field)
-        for place, field in enumerate(fields)
-        if not field.optional
-        or any(row[place].text for _, rows in groups for row in rows)
-    ]
-    return Table(
-        name=name,
-        caption=caption,
-        columns=tuple(
-            Column(
-                head=say(field.head),
-                kind=field.kind,
-                weight=field.weight,
-                when_narrow=field.when_narrow,
-            )
-            for _, field in kept
-        ),
-        groups=tuple(
-            RowGroup(
-                title=str(key) if titled else "",
-                rows=tuple(tuple(row[place] for place, _ in kept) for row in rows),
-            )
-            for key, rows in groups
-        ),
-        is_wide=is_wide,
-        searchable=searchable,
-        for_pen=for_pen,
-    )
-
-
-def _cell(found: Cell | str) -> Cell:
-    """Return a cell; of plain text one that holds it."""
-    return found if isinstance(found, Cell) else Cell(text=found)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,25 +6,16 @@ import re
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from budget.report.blocks import (
-    Cell,
-    Field,
-    Listing,
-    Panel,
-    Paragraph,
-    Section,
-    table_of,
-)
-from budget.report.pages import sections
+from budget.language import ENGLISH, speaking
+from budget.report.pages import line, sections, texts
 from budget.report.tables import print_given
-from budget.studies.export.study import REFERENCE
 from budget.studies.export.template import END, GONE, HEADER, KEY
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from budget.report.blocks import Block
+    from budget.report.blocks import Section
     from budget.studies.export.study import Export
     from budget.studies.export.template import Exported
 
@@ -37,8 +28,8 @@ _ORDERS = re.compile(
 )
 _KEYS = re.compile(f"{KEY}([^{END}]*){END}")
 _DIGITS = 6  # of a value for people
-_ASSUMED, _SOURCES = "Assumed", "Keys and units from"
-QUIET = {_ASSUMED, _SOURCES}  # lists that stand in the file, or elsewhere
+WORDS = "export_words"
+QUIET = {"assumptions", "sources"}  # lists that stand in the file, or elsewhere
 
 
 def write_export(found: Export) -> str:
@@ -50,58 +41,42 @@ def write_export(found: Export) -> str:
     explained: set[str] = set()
     by_key = {one.key: one for one in found.entries}
     lines: list[str] = []
-    for line in found.body.splitlines():
-        if line == HEADER:
+    for row in found.body.splitlines():
+        if row == HEADER:
             lines += _comments(_header(found), found.target.comment, "")
-        elif GONE not in line:
-            indent = line[: len(line) - len(line.lstrip())]
-            for key in dict.fromkeys(_KEYS.findall(line)):
+        elif GONE not in row:
+            indent = row[: len(row) - len(row.lstrip())]
+            for key in dict.fromkeys(_KEYS.findall(row)):
                 if key not in explained:
                     steps = [f"{key}: {by_key[key].steps[0]}", *by_key[key].steps[1:]]
                     lines += _comments(steps, found.target.comment, indent)
                     explained.add(key)
-            lines.append(_KEYS.sub("", line))
+            lines.append(_KEYS.sub("", row))
     return "\n".join(lines) + "\n"
 
 
 def _header(found: Export) -> Iterator[str]:
-    """Yield what stands above a file."""
-    yield f"{found.target.title}: {found.title}, by budget {__version__} export"
-    for file in found.inputs:
-        yield f"{file.role} {file.name}, sha256 {file.sha256}"
-    yield _what(found)
-    for head, texts in _lists(found):
-        yield f"{head}:"
-        yield from (f"- {text}" for text in texts)
+    """Yield what stands above a file, in English like all of it."""
+    with speaking(ENGLISH):
+        yield f"{found.target.title}: {found.title}, by budget {__version__} export"
+        for file in found.inputs:
+            yield f"{file.role} {file.name}, sha256 {file.sha256}"
+        yield line(WORDS, "what", found=found)
+        for _, head, own in _lists(found):
+            yield f"{head}:"
+            yield from (f"- {text}" for text in own)
 
 
-def _what(found: Export) -> str:
-    """Say which figures they are, with factor and rate."""
-    said = "The raw figures of the data sheet, 1 sigma"
-    if found.procedure:
-        said = (
-            f"Bias, scale factor and mounting angles as left by {found.procedure} "
-            f"({REFERENCE.replace('_', ' ')}), 1 sigma; the rest of the data sheet"
-        )
-    if found.inflate != 1.0:
-        said += f"; standard deviations times {print_given(found.inflate)}"
-    if found.rate is not None:
-        said += f"; f = {print_given(found.rate)} Hz"
-    return f"{said}."
-
-
-def _lists(found: Export) -> Iterator[tuple[str, Sequence[str]]]:
-    """Yield what is to be said besides, each with its head."""
-    for head, texts in (
-        (f"{found.target.title} cannot hold", found.not_held),
-        ("Left out", found.left_out),
-        ("Note", found.notes),
-        (_ASSUMED, found.assumptions),
-        ("Warning", found.warnings),
-        (_SOURCES, found.target.sources),
+def _lists(found: Export) -> Iterator[tuple[str, str, Sequence[str]]]:
+    """Yield what is to be said besides by its key, each with its head."""
+    heads = texts(WORDS, "heads", found=found)
+    for key, own in (
+        *((key, getattr(found, key)) for key in ("not_held", "left_out", "notes")),
+        *((key, getattr(found, key)) for key in ("assumptions", "warnings")),
+        ("sources", found.target.sources),
     ):
-        if texts:
-            yield head, texts
+        if own:
+            yield key, getattr(heads, key), own
 
 
 def _comments(
@@ -138,42 +113,22 @@ def remarks(found: Export) -> tuple[str, ...]:
     """Return what a person must hear who sees the file alone, a line each."""
     return tuple(
         row
-        for head, texts in _lists(found)
-        if head not in QUIET
-        for row in (f"{head}:", *(f"  {text}" for text in texts))
+        for key, head, own in _lists(found)
+        if key not in QUIET
+        for row in (f"{head}:", *(f"  {text}" for text in own))
     )
 
 
 def export_answer(found: Export) -> tuple[Section, ...]:
     """Return what stands on a terminal: the values, and what is not among them."""
-    blocks: list[Block] = [
-        Paragraph(words=(_what(found),)),
-        table_of(
-            found.entries,
-            (
-                Field(head="key", cell=lambda one: one.key),
-                Field(head="value", cell=_value),
-                Field(head="unit", cell=lambda one: one.unit),
-                Field(head="from", cell=lambda one: ", ".join(one.lines)),
-            ),
-            name="export",
-            caption=f"What {found.target.title} is told, from which specifications",
-        ),
-    ]
-    blocks += [
-        Panel(
-            title=head,
-            blocks=(Listing(items=tuple((text,) for text in texts), empty=""),),
-        )
-        for head, texts in _lists(found)
-        if head not in QUIET
-    ]
-    title = f"What {found.target.title} is told"
-    section = Section(name="export", title=title, blocks=tuple(blocks))
-    return (section, *sections("assumptions", found=found))
+    lists = [own for key, *own in _lists(found) if key not in QUIET]
+    return (
+        *sections("export", found=found, lists=lists, value=_value),
+        *sections("assumptions", found=found),
+    )
 
 
-def _value(one: Exported) -> Cell:
+def _value(one: Exported) -> str:
     """Return the value of a key, one where all axes are equal."""
     texts = [print_given(value, digits=_DIGITS) for value in one.values]
-    return Cell(text=texts[0] if len(set(texts)) == 1 else ", ".join(texts))
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)

@@ -12,8 +12,8 @@ from budget.inputs.use import LINES
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.names import Name
 from budget.report.blocks import Abreast
-from budget.report.figures.allan import Allan, allan_picture
-from budget.report.figures.attitudes import Positions, positions_picture
+from budget.report.figures.allan import Allan, allan_plot
+from budget.report.figures.attitudes import Positions, positions_plot
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.timeline import (
     made_of,
@@ -22,8 +22,8 @@ from budget.report.figures.timeline import (
     schedule_chart,
 )
 from budget.report.pages import sections
+from budget.report.standing import parted
 from budget.report.tables import print_given
-from budget.report.wording import parted
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def inputs_section(
 def noise_pictures(sensors: Sequence[Sensor], procedure: Procedure) -> Abreast | None:
     """Show the noise of triads by averaging time; None where no sheet gives any."""
     every = (Allan.of(sensor, procedure) for sensor in sensors)
-    found = tuple(allan_picture(one) for one in every if one is not None)
+    found = tuple(allan_plot(one).picture for one in every if one is not None)
     return Abreast(blocks=found) if found else None
 
 
@@ -155,7 +155,7 @@ def procedure_section(
         sensors=sensors,
         tracks=make_tracks(procedure, sensors) if procedure.windows else (),
         schedule=None if schedule is None else chart_picture(schedule),
-        positions=None if positions is None else positions_picture(positions),
+        positions=None if positions is None else positions_plot(positions).picture,
         made_of=made_of,
         print_time=print_time,
         degrees=print_degrees,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.names import LENGTHS, Name
 from budget.report.pages import blocks
+from budget.report.standing import outcome_words
 from budget.report.tables import (
     HEADING,
     SMALL_SHARE,
@@ -22,7 +23,6 @@ from budget.report.tables import (
     unit_for,
     used_part,
 )
-from budget.report.wording import outcome_words
 from budget.studies.cautions import SMALL
 from budget.ties import from_largest
 

@@ -31,16 +31,16 @@ from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
 from budget.report.comparison.document import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
-from budget.report.figures.allan import Allan, draw_allan
-from budget.report.figures.attitudes import Positions, draw_positions
+from budget.report.figures.allan import Allan, allan_plot
+from budget.report.figures.attitudes import Positions, positions_plot
 from budget.report.figures.contributions import (
     Critical,
     correlation_chart,
     tornado_chart,
     waterfall_chart,
 )
-from budget.report.figures.density import density_step
-from budget.report.figures.growth import ErrorGrowth, draw_growth
+from budget.report.figures.density import density_plot
+from budget.report.figures.growth import ErrorGrowth, growth_plot
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -55,7 +55,7 @@ from budget.report.figures.sources import (
 )
 from budget.report.figures.style import headed
 from budget.report.figures.timeline import schedule_chart
-from budget.report.figures.track import draw_track
+from budget.report.figures.track import track_plot
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
@@ -599,7 +599,7 @@ class Plots:
         question = question_of(self.budget)
         kinds = [sensor.kind for sensor in question.sensors]
         found = Positions.of(question.procedure, kinds)
-        return draw_positions(_found(found, "the calibration has no positions"))
+        return positions_plot(_found(found, "the calibration has no positions")).figure
 
     @_headed
     def allan(self, sensor: str = "") -> Figure:
@@ -611,9 +611,8 @@ class Plots:
         triads = {one.kind: one for one in question.sensors}
         triad = _choice(triads, sensor or next(iter(triads)))
         found = Allan.of(triad, question.procedure)
-        return draw_allan(
-            _found(found, f"no specification of the {triad.kind} is noise")
-        )
+        why = f"no specification of the {triad.kind} is noise"
+        return allan_plot(_found(found, why)).figure
 
     @_headed
     def growth(self, error: str = "position.horizontal") -> Figure:
@@ -628,14 +627,14 @@ class Plots:
         found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
         judged = self.budget.assessment
         limits = () if judged is None else judged.outputs
-        return draw_growth(_found(found, "nothing moves that error"), limits)
+        return growth_plot(_found(found, "nothing moves that error"), limits).figure
 
     @_headed
     def track(self) -> Figure:
         """Show the track of a mission from above, with ellipses of its errors."""
         found = way_with_errors(self.budget, _curve(self.budget))
         why = "the position has no covariance at the times that are asked for"
-        return draw_track(_found(found, why))
+        return track_plot(_found(found, why)).figure
 
     @_headed
     def validation(self, sensor: str = "") -> Figure:
@@ -667,7 +666,7 @@ class Plots:
             )
         }
         density = _choice(found, output or next(iter(found), ""))
-        return density_step(density, coverage=budget.settings.coverage)
+        return density_plot(density, coverage=budget.settings.coverage).figure
 
     def _group(self, group: str) -> GroupTable:
         """Return the group of that name; see `contributions` for which without."""

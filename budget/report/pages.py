@@ -186,9 +186,15 @@ def lines(page: str, macro: str = "", /, **view: object) -> tuple[str, ...]:
 def texts(page: str, macro: str, /, **view: object) -> SimpleNamespace:
     """Return the points of a macro, `- name: words`, by their names as plain text."""
     with telling(_file(page)):
-        _, *points = _POINTS.split(_printed(page, view, macro))
-        named = zip(points[::2], map(_plain, points[1::2]), strict=True)
-        return SimpleNamespace(**dict(named))
+        return _points(_printed(page, view, macro))
+
+
+def figure(page: str, macro: str, /, **view: object) -> tuple[SimpleNamespace, Table]:
+    """Return what a figure says, the points of a macro, and the table below them."""
+    with telling(_file(page)), _gathering() as objects:
+        points, mark, rows = _printed(page, view, macro).partition(f"\n{TABLE}")
+        own = _blocks(_nodes(mark + rows), objects)
+        return _points(points), next(one for one in own if isinstance(one, Table))
 
 
 def runs(page: str, macro: str = "", /, **view: object) -> Words:
@@ -222,6 +228,13 @@ def _filled(
     """Fill a page, or a macro of it, in with values, and read it."""
     with _gathering() as objects:
         return _nodes(_printed(page, view, macro)), objects
+
+
+def _points(text: str) -> SimpleNamespace:
+    """Return points that begin with their names, by these as plain text."""
+    _, *points = _POINTS.split(text)
+    named = zip(points[::2], map(_plain, points[1::2]), strict=True)
+    return SimpleNamespace(**dict(named))
 
 
 def _plain(text: str) -> str:
@@ -437,7 +450,7 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
     """Return a column, and whether it goes where nothing stands in it."""
     text, (mark, more) = _ended_by(_HEAD, node)
     align = str(node.attrs.get("style", "")).removeprefix("text-align:")
-    column = Column(head=text, kind=KINDS.get(align, "text"))
+    column = Column(head=text.rstrip(), kind=KINDS.get(align, "text"))
     for one in (more or "").split():
         column = (
             replace(column, weight=float(one))
@@ -446,7 +459,7 @@ def _column(node: SyntaxTreeNode) -> tuple[Column, bool]:
             if one in NARROW
             else replace(column, kind=one)
             if one in MARKED_KINDS
-            else replace(column, role=one)
+            else replace(column, role=f"{column.role} {one}".strip())
         )
     return column, bool(mark)
 

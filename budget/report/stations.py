@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from decimal import ROUND_FLOOR, Decimal
-from functools import partial
 from itertools import groupby
 from math import floor, log10, nan
 from typing import TYPE_CHECKING
@@ -16,18 +15,9 @@ from budget.names import keys_of
 from budget.question import given_lines
 from budget.report.answers import LEAST_ROWS, Answer, decades
 from budget.report.document import json_text
-from budget.report.figures.rows import (
-    Bar,
-    Chart,
-    Group,
-    Panel,
-    Row,
-    Scale,
-    Side,
-    chart_picture,
-)
-from budget.report.figures.style import look_of
-from budget.report.pages import line, sections
+from budget.report.figures.rows import Bar, Chart, ChartPanel, chart_picture, rows_of
+from budget.report.figures.style import Scale, look_of
+from budget.report.pages import figure, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import (
     DASH,
@@ -35,7 +25,6 @@ from budget.report.tables import (
     Number,
     print_given,
     print_three,
-    source_title,
 )
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import from_largest, settle, smallest
@@ -48,7 +37,6 @@ if TYPE_CHECKING:
     from budget.report.blocks import Document, Section
     from budget.studies.stations import (
         Qualification,
-        StationFigure,
         StationOutput,
         StationVerdict,
     )
@@ -119,38 +107,32 @@ def figures_chart(found: Qualification) -> Chart | None:
     rows = [found.figures[k] for k in from_largest(used) if used[k] >= SHOWN]
     if len(rows) < LEAST_ROWS:
         return None
-    said = partial(line, "figures_station", ratio=found.ratio)
-    parts = [PER_CENT * (row.takes_now or 0.0) for row in rows]
-    low, high = decades([*parts, PER_CENT])
+    said, table = figure("figures_station", "used", rows=rows, ratio=found.ratio)
+    low, high = decades(
+        [*(PER_CENT * (row.takes_now or 0.0) for row in rows), PER_CENT]
+    )
     scale = Scale(
         low=low,
         high=max(high, 2.0 * PER_CENT),
         kind="log",
-        lines=((PER_CENT, said("its_part")),),
-        label=said("axis"),
+        lines=((PER_CENT, said.its_part),),
+        label=said.axis,
     )
-    bars = tuple(
-        Row(
-            label=source_title(row.source),
-            marks=(_bar(row, low, part),),
-            beside=(said("used", row=row),),
-            strong=settle(part) > PER_CENT,
-            said=said("said", row=row),
-        )
-        for row, part in zip(rows, parts, strict=True)
+    drawn = rows_of(
+        table,
+        lambda at, look: [
+            Bar(start=low, end=at.used, colour=look[0], hatch=look[1], width=0.4)
+        ],
+        [look_of(row.source) for row in rows],
     )
     return Chart(
         name="station-figures",
-        title=said("title", row=rows[0]),
-        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=bars),)),)),),
-        caption=said("caption"),
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
     )
-
-
-def _bar(row: StationFigure, start: float, end: float) -> Bar:
-    """Return the bar of a figure, in the look of its source."""
-    colour, hatch, _ = look_of(row.source)
-    return Bar(start=start, end=end, colour=colour, hatch=hatch, edge_width=0.4)
 
 
 def print_ratio(ratio: float) -> str:

@@ -2,44 +2,27 @@
 
 from __future__ import annotations
 
-from functools import partial
-from itertools import groupby
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.report.figures.rows import (
-    Chart,
-    Dot,
-    Group,
-    Panel,
-    Row,
-    Scale,
-    Side,
-)
-from budget.report.figures.style import (
-    INK,
-    PAPER,
-    as_picture,
-    house_style,
-    plane,
-    write,
-)
-from budget.report.pages import blocks, line
+from budget.report.figures.rows import Chart, ChartPanel, Dot, rows_of
+from budget.report.figures.style import INK, PAPER, Scale, add_plane, blank, write
+from budget.report.figures.tabled import Plot, alternative_of_curves
+from budget.report.pages import figure, line
 from budget.report.tables import print_given
 from budget.ties import first_largest
 from budget.units import PPM
 from zhao_2019.printed import Verdict
 
 if TYPE_CHECKING:
-    from typing import Any
+    from collections.abc import Sequence
+    from types import SimpleNamespace
 
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
-    from budget.report.blocks import Picture
     from zhao_2019.orders import Sweep
-    from zhao_2019.printed import Finding
     from zhao_2019.study import PaperStudy
 
 PAGE = "figures_paper"
@@ -51,48 +34,55 @@ NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
 FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
 JOINED = ", all "  # in the place of a row that speaks of all axes
-said = partial(line, PAGE)
 
 
-def sweep_picture(sweep: Sweep) -> Picture:
-    """Return one of the paper's figures as a block, with the steps behind it."""
-    title, curves, steps = sweep_title(sweep), _gathered(sweep), sweep.size / PPM
-    data: Any = blocks(
-        PAGE, "steps", sweep=sweep, rows=np.vstack([steps, sweep.errors]).T.tolist()
-    )[0]
-    return as_picture(
-        _draw_sweep(sweep, title),
+def sweep_plot(sweep: Sweep) -> Plot:
+    """Show one of the paper's figures, with the steps behind it."""
+    curves, steps = _gathered(sweep), sweep.size / PPM
+    exponent = int(np.floor(np.log10(sweep.largest))) if sweep.largest else 0
+    told, table = figure(
+        PAGE,
+        "sweep",
+        sweep=sweep,
+        unit=f"1e{exponent}" if sweep.largest else "1",
+        rows=np.vstack([steps, sweep.errors]).T.tolist(),
+    )
+    return Plot(
         name=sweep.figure.replace(" ", "-"),
-        title=title,
-        alt=said("sweep_alt", title=title, steps=steps, curves=curves),
+        said=told,
+        table=table,
+        draw=lambda: _draw_sweep(sweep, curves, 10.0**exponent, told),
         tips={
-            f"curve-{k}": said("curve_tip", names=names, curve=curve)
+            f"curve-{k}": line(PAGE, "curve_tip", names=names, curve=curve)
             for k, (names, curve) in enumerate(curves)
         },
-        data=data,
+        alt=alternative_of_curves(told.title, table),
+        data_on_paper=True,
     )
 
 
-def sweep_title(sweep: Sweep) -> str:
-    """State the finding of one figure, and the order that the paper prints."""
-    return said("sweep_title", sweep=sweep)
-
-
-@house_style()
-def _draw_sweep(sweep: Sweep, title: str) -> Figure:
+def _draw_sweep(
+    sweep: Sweep,
+    curves: Sequence[tuple[list[str], Array]],
+    scale: float,
+    told: SimpleNamespace,
+) -> Figure:
     """Draw relative errors against the step; curves that coincide share one label."""
-    largest = sweep.largest
-    exponent = int(np.floor(np.log10(largest))) if largest else 0
-    scale = 10.0**exponent
-    unit = f"1e{exponent}" if largest else "1"
-    figure, axes = plane(
-        title,
-        said("step", sweep=sweep),
-        said("error", unit=unit),
-        HEIGHT,
-    )
     x = sweep.size / PPM
-    for k, (names, curve) in enumerate(_gathered(sweep)):
+    reach = 1.15 * sweep.largest / scale or 1.0
+    drawing = blank(HEIGHT)
+    axes = add_plane(
+        drawing,
+        Scale(low=0.0, high=float(x[-1]), label=told.step),
+        Scale(
+            low=-reach,
+            high=reach,
+            ticks=None if sweep.largest else ((0.0, "0"),),
+            label=told.error,
+        ),
+        height=HEIGHT - 46.0,
+    )
+    for k, (names, curve) in enumerate(curves):
         axes.plot(
             x,
             curve / scale,
@@ -101,14 +91,9 @@ def _draw_sweep(sweep: Sweep, title: str) -> Figure:
             linestyle=DASHES[k % len(DASHES)],
             gid=f"curve-{k}",
         )
-        name = said("curve_label", names=names, all=sweep.names)
+        name = line(PAGE, "curve_label", names=names, all=sweep.names)
         write(axes, name, (x[-1], curve[-1] / scale), (5.0, 0.0))
-    axes.set_xlim(0.0, float(x[-1]))
-    reach = 1.15 * largest / scale or 1.0
-    axes.set_ylim(-reach, reach)
-    if not largest:
-        axes.set_yticks([0.0], ["0"])
-    return figure
+    return drawing
 
 
 def _gathered(sweep: Sweep) -> list[tuple[list[str], Array]]:
@@ -136,44 +121,42 @@ def ratio_chart(study: PaperStudy) -> Chart:
     ]
     ratios = [row.ratio or 1.0 for row in rows]
     far = rows[first_largest([max(ratio, 1.0 / ratio) for ratio in ratios])]
-    fits = sum(row.verdict in FITS for row in rows)
-    is_open = any(row.verdict == Verdict.UNEXPLAINED for row in rows)
+    said, table = figure(
+        PAGE,
+        "ratios",
+        rows=rows,
+        far=far,
+        fits=sum(row.verdict in FITS for row in rows),
+        is_open=any(row.verdict == Verdict.UNEXPLAINED for row in rows),
+        unexplained=Verdict.UNEXPLAINED,
+        print=print_ratio,
+    )
     scale = Scale(
         low=min(*ratios, 1.0) / AIR,
         high=max(*ratios, 1.0) * AIR,
         kind="log",
         lines=((1.0, ""),),
-        label=said("ratio_axis"),
+        label=said.axis,
     )
-    groups = tuple(
-        Group(title=title, rows=tuple(map(_row, own)))
-        for title, own in groupby(rows, key=lambda row: said("ratio_group", row=row))
+    drawn = rows_of(
+        table,
+        lambda at, row: [
+            Dot(
+                start=at.ratio,
+                colour=INK if row.verdict in FITS else PAPER,
+                width=5.5,
+                tip=at.tip,
+            )
+        ],
+        rows,
     )
-    ratio = print_ratio(far.ratio)
     return Chart(
         name="ratios",
-        title=said("ratio_title", fits=fits, rows=rows, far=far, ratio=ratio),
-        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead=said("ratio_lead"),
-        caption=said("ratio_caption", is_open=is_open),
-    )
-
-
-def _row(row: Finding) -> Row:
-    """Return one dot, filled where it fits."""
-    ratio = print_ratio(row.ratio)
-    mark = Dot(
-        at=row.ratio or 1.0,
-        fill=INK if row.verdict in FITS else PAPER,
-        size=5.5,
-        tip=said("ratio_tip", row=row, ratio=ratio),
-    )
-    return Row(
-        label=said("ratio_label", row=row),
-        marks=(mark,),
-        beside=(ratio,),
-        strong=row.verdict == Verdict.UNEXPLAINED,
-        said=said("ratio_said", row=row, ratio=ratio),
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
     )
 
 

@@ -14,7 +14,7 @@ from budget.report.pages import blocks, document
 from budget.report.provenance import provenance_section
 from budget.report.tables import print_given, round_uncertainty
 from budget.version import __version__
-from zhao_2019.figures import print_ratio, ratio_chart, sweep_picture
+from zhao_2019.figures import print_ratio, ratio_chart, sweep_plot
 from zhao_2019.printed import (
     U_MEAN,
     U_SINGLE,
@@ -67,7 +67,7 @@ def _page(study: PaperStudy) -> Page:
         pictures=ForPages(
             lambda: (
                 *blocks("figures_paper", "note", text=note, with_math=with_math),
-                Abreast(blocks=tuple(map(sweep_picture, study.sweeps))),
+                Abreast(blocks=tuple(sweep_plot(one).picture for one in study.sweeps)),
             )
         ),
         UNEXPLAINED=Verdict.UNEXPLAINED,

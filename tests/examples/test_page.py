@@ -14,7 +14,7 @@ from budget.report.document import json_text
 from budget.report.inline import MINUS, cut
 from budget.report.page import render_page
 from budget.report.typeset import typeset
-from budget.report.wording import capital
+from budget.report.writing import capital
 from zhao_2019.figures import print_ratio
 from zhao_2019.page import paper_document, print_ours, printed_cell, reason
 from zhao_2019.printed import Verdict

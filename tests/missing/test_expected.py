@@ -22,10 +22,10 @@ from budget.question import question_of
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.analysis.what_if import what_if_section
-from budget.report.comparison.figures import pareto_title
+from budget.report.comparison.figures import front_plot
 from budget.report.comparison.tables import rankings
 from budget.report.document import to_csv, to_json
-from budget.report.figures.density import density_picture, density_title
+from budget.report.figures.density import density_plot
 from budget.report.tables import AT_LEAST, group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
@@ -208,7 +208,7 @@ def test_the_undecidable_come_before_those_that_fail():
     assert not found["bad"].lower_bound
     assert found["bare"].on_front == ()
     assert "mass" in found["bad"].on_front
-    assert "bare" not in pareto_title(table, "mass")
+    assert "only bad gives one" in front_plot(table, "mass")
     assert table.rows[0].utilisation.startswith("≥ ")
     assert table.rows[0].conformance == ""  # at the most 100 says nothing
 
@@ -280,12 +280,13 @@ def test_what_the_page_computes_with_is_marked():
     )
     for density in densities:
         marked = lacking_of[density.output.name]
-        data = density_picture(density, coverage=0.95).data
+        data = density_plot(density, coverage=0.95).picture.data
         cells = [row[1].text for row in data.groups[0].rows]
         assert bool(density.lacks) == marked
         assert any(text.startswith(AT_LEAST) for text in cells) == marked
         assert (
-            "specifications are not given" in density_title(density, coverage=0.95)
+            "specifications are not given"
+            in density_plot(density, coverage=0.95).said.title
         ) == marked
 
 

@@ -41,7 +41,7 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.tables import print_two_down, print_utilisation, round_error
-from budget.report.wording import VERDICTS
+from budget.report.writing import VERDICTS
 from budget.studies.what_if import one_at_a_time, what_if
 
 pytestmark = pytest.mark.slow

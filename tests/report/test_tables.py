@@ -14,6 +14,7 @@ from budget.missing.expected import could_widen
 from budget.names import Name, key_title
 from budget.problem import Output
 from budget.report.pages import line
+from budget.report.standing import not_given_lines
 from budget.report.tables import (
     align_decimals,
     group_tables,
@@ -28,7 +29,6 @@ from budget.report.tables import (
     settings_lines,
     source_title,
 )
-from budget.report.wording import not_given_lines
 from budget.results import Validation
 from budget.units import DEG_PER_HOUR
 

@@ -18,7 +18,7 @@ from budget.errors import SpecError
 from budget.inputs import load_device
 from budget.question import question_of
 from budget.report.analysis.verdict import summary, verdict_cards
-from budget.report.readings import effect_line, verdict_line
+from budget.report.pages import line
 from budget.studies.readings import MOST, effects, under, verdicts_by_reading
 from budget.studies.what_if import what_if
 from budget.units import DEG_PER_HOUR, PPM
@@ -208,7 +208,9 @@ def test_few_combinations_are_all_computed_and_many_are_not(gyro, limits):
     assert many.found[0].utilisation == max(used)
     assert many.found[-1].utilisation == min(used)
     assert many.passes == "some"
-    assert_says(verdict_line(many), "7 of 32 combinations were computed")
+    assert_says(
+        line("readings", "verdict", found=many), "7 of 32 combinations were computed"
+    )
 
 
 def test_the_smaller_density_is_shown_and_not_judged(gyro, limits):
@@ -256,7 +258,10 @@ def test_effects_are_what_the_law_gives_for_each(gyro):
     assert_allclose(one.ratio, sqrt(b / a), rtol=0.02)  # of the stability too
     assert other.taken == "allan_minimum"
     assert other.output.quantity != "bias"
-    assert_says(effect_line(one), "bias repeatability read as max in place of 1 sigma")
+    assert_says(
+        line("readings", "effect", one=one),
+        "bias repeatability read as max in place of 1 sigma",
+    )
     assert effects(asked(gyro(bias_repeatability="3 deg/h"))) == ()
 
 

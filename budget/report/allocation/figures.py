@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-from functools import partial
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
-from budget.report.figures.rows import (
-    Bar,
-    Chart,
-    Dot,
-    Group,
-    Panel,
-    Row,
-    Scale,
-    Side,
-)
-from budget.report.figures.style import GRID, INK, MUTED, PAPER, look_of
-from budget.report.pages import line
-from budget.report.tables import source_title
-from budget.report.writing import print_part
+from budget.report.figures.rows import HUNDRED, Bar, Chart, ChartPanel, Dot, rows_of
+from budget.report.figures.style import GRID, MUTED, PAPER, Scale, look_of
+from budget.report.figures.tabled import heads_of
+from budget.report.pages import figure
 from budget.studies.allocation.records import FREE
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
+    from types import SimpleNamespace
 
-    from budget.report.figures.rows import Mark
-    from budget.studies.allocation.records import (
-        LimitedOutput,
-        LimitPart,
-        SourceAllotment,
-    )
+    from budget.report.figures.rows import ChartMark
+    from budget.studies.allocation.records import LimitedOutput, SourceAllotment
 
+PAGE = "figures_allocation"
 PITCH = 17.0  # from row to row [pt]
 LEAST_FACTOR, MOST_FACTOR = 1e-2, 1e2  # of a headroom that is drawn [1]
 THIN, BELOW = 3.4, 6.8  # height of a bar of what is now, and how far down it is [pt]
 SHOWN = 1e-3  # part of the squared limit from which a source has a row [1]
-said = partial(line, "figures_allocation")
 
 
 def waterfall_chart(row: LimitedOutput) -> Chart:
@@ -45,68 +32,71 @@ def waterfall_chart(row: LimitedOutput) -> Chart:
     The thick bars are what is allowed (of an impossible limit, what is held), the thin
     ones what the sources take now; those leave the figure where the limit is passed.
     """
-    left, left_now = 1.0, 1.0
-    rows = [Row(label=said("limit"), marks=(Bar(start=0.0, end=100.0, colour=GRID),))]
-    for part in row.parts:
-        if max(part.now, part.after) < SHOWN:
-            continue
-        rows.append(_part_row(row, part, left, left_now))
-        left, left_now = left - part.after, left_now - part.now
-    marks: list[Mark] = []
-    if left > 0.0:
-        marks.append(Bar(start=0.0, end=100.0 * left, colour=GRID))
-    if left_now > 0.0:
-        marks.append(Bar(start=0.0, end=100.0 * left_now, height=THIN, lift=BELOW))
-    beside = tuple(said("rest", part=one, least=SHOWN) for one in (left_now, left))
-    rows.append(Row(label=said("left"), marks=tuple(marks), beside=beside))
-    scale = Scale(
-        low=0.0,
-        high=100.0,
-        ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label=said("waterfall_axis"),
+    parts = [part for part in row.parts if max(part.now, part.after) >= SHOWN]
+    left, left_now = (
+        [*accumulate(sizes, lambda at, size: at - size, initial=1.0)]
+        for sizes in ([one.after for one in parts], [one.now for one in parts])
     )
     most = row.parts[first_largest([part.after for part in row.parts])]
+    said, table = figure(
+        PAGE,
+        "waterfall",
+        row=row,
+        most=most,
+        parts=parts,
+        rest=(left_now[-1], left[-1]),
+        least=SHOWN,
+    )
+    looks = [(GRID, ""), *(look_of(one.source)[:2] for one in parts), (GRID, "")]
+    drawn = rows_of(
+        table,
+        _limit_marks,
+        looks,
+        [(1.0, 0.0), *pairwise(left), (left[-1], 0.0)],
+        [(0.0, 0.0), *pairwise(left_now), (left_now[-1], 0.0)],
+    )
     return Chart(
         name=f"waterfall-{row.output.name}",
-        title=said("waterfall_title", row=row, most=most),
-        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),),
-        lead=said("waterfall_lead", row=row),
-        after=said("waterfall_after", row=row),
-        caption=said("waterfall_caption", row=row),
-        beside=(said("now"), said("then", row=row)),
+        title=said.title,
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=100.0, ticks=HUNDRED, label=said.axis),
+                groups=drawn,
+            ),
+        ),
+        table=table,
+        has_data=False,
+        caption=said.caption,
+        beside=heads_of(table),
         pitch=PITCH,
     )
 
 
-def _part_row(row: LimitedOutput, part: LimitPart, left: float, left_now: float) -> Row:
-    """Return what one source takes of what is left, allowed and now.
+def _limit_marks(
+    at: SimpleNamespace,
+    look: tuple[str, str],
+    allowed: tuple[float, float],
+    now: tuple[float, float],
+) -> Iterator[ChartMark]:
+    """Yield what one source takes of what is left, allowed and now.
 
     An arrow shows where what it takes now passes the limit.
     """
-    colour, hatch, _ = look_of(part.source)
-    marks: list[Mark] = [
-        Bar(
-            start=100.0 * (left - part.after),
-            end=100.0 * left,
-            colour=colour,
-            hatch=hatch,
-            edge_width=0.4,
-            tip=said("part_tip", row=row, part=part),
+    start, end = 100.0 * min(now[0], 1.0), 100.0 * now[1]
+    is_whole = look[0] == GRID
+    if allowed[0] > 0.0 or not is_whole:
+        yield Bar(
+            start=100.0 * allowed[1],
+            end=100.0 * allowed[0],
+            colour=look[0],
+            hatch=look[1],
+            width=0.6 if is_whole else 0.4,
+            tip=at.tip,
         )
-    ]
-    start, end = 100.0 * min(left_now, 1.0), 100.0 * (left_now - part.now)
-    if start > 0.0 and part.now > 0.0:
-        marks.append(Bar(start=max(end, 0.0), end=start, height=THIN, lift=BELOW))
-    if end < 0.0 < part.now:
-        marks.append(
-            Dot(at=0.0, shape="<", fill=MUTED, edge=MUTED, size=4.0, lift=BELOW)
-        )
-    return Row(
-        label=said("part_title", row=row, part=part),
-        marks=tuple(marks),
-        beside=(print_part(part.now), print_part(part.after)),
-        said=said("part_said", row=row, part=part),
-    )
+    if start > 0.0 and end < start:
+        yield Bar(start=max(end, 0.0), end=start, height=THIN, lift=BELOW)
+    if end < 0.0 and now[1] < now[0]:
+        yield Dot(start=0.0, shape="<", colour=MUTED, edge=MUTED, width=4.0, lift=BELOW)
 
 
 def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
@@ -114,65 +104,58 @@ def headroom_chart(rows: Sequence[SourceAllotment]) -> Chart | None:
 
     None where no line can be judged; the table of the lines has the data.
     """
-    shown = [row for row in rows if row.headroom is not None]
-    if not shown:
+    drawn = [row for row in rows if row.headroom is not None]
+    if not drawn:
         return None
-    idle = [row for row in rows if row.is_idle]
-    growing = [row for row in shown if _factor(row) > 1.0]
-    most = growing[first_largest([*map(_factor, growing)])] if growing else None
+    growing = [row for row in drawn if _factor(row) > 1.0]
+    said, table = figure(
+        PAGE,
+        "headroom",
+        sensor=drawn[0].source.owner,
+        drawn=drawn,
+        growing=growing,
+        most=growing[first_largest([*map(_factor, growing)])] if growing else None,
+        idle=[row for row in rows if row.is_idle],
+    )
     scale = Scale(
         low=LEAST_FACTOR,
         high=MOST_FACTOR,
         kind="log",
         ticks=(
-            *((0.01, "1/100"), (0.1, "1/10"), (1.0, said("now"))),
+            *((0.01, "1/100"), (0.1, "1/10"), (1.0, said.now)),
             *((10.0, "10"), (100.0, "100")),
         ),
         lines=((1.0, ""),),
-        label=said("headroom_axis"),
+        label=said.axis,
     )
-    group = Group(rows=tuple(map(_headroom_row, shown)))
-    sensor = shown[0].source.owner
     return Chart(
-        name=f"headroom-{sensor}",
-        title=said(
-            "headroom_title",
-            sensor=sensor,
-            drawn=shown,
-            growing=growing,
-            most=most,
-            idle=idle,
+        name=f"headroom-{drawn[0].source.owner}",
+        title=said.title,
+        panels=(
+            ChartPanel(scale=scale, groups=rows_of(table, _headroom_marks, drawn)),
         ),
-        sides=(Side(panels=(Panel(scale=scale, groups=(group,)),)),),
-        lead=said("headroom_lead"),
-        after=said("headroom_after", rows=idle),
-        caption=said("headroom_caption", idle=idle),
+        table=table,
+        has_data=False,
+        caption=said.caption,
         flush="left",
         pitch=PITCH,
     )
 
 
-def _headroom_row(row: SourceAllotment) -> Row:
-    """Return how far one line may go, where it is allowed to be, and what stops it."""
+def _headroom_marks(at: SimpleNamespace, row: SourceAllotment) -> Iterator[ChartMark]:
+    """Yield how far one line may go, and where it is allowed to be."""
     colour, hatch, _ = look_of(row.source)
-    factor = _factor(row)
-    bar = Bar(
+    yield Bar(
         start=1.0,
-        end=_drawn(factor),
-        colour=colour if factor > 0.0 else "none",
+        end=_drawn(_factor(row)),
+        colour=colour if _factor(row) > 0.0 else "none",
         edge=colour,
-        edge_width=0.8,
+        width=0.8,
         hatch=hatch,
-        tip=said("headroom_tip", row=row),
+        tip=at.tip,
     )
-    is_moved = row.status == FREE and bool(row.allowed)
-    diamond = Dot(at=_drawn(row.factor), shape="D", fill=PAPER, edge=INK, size=4.0)
-    return Row(
-        label=source_title(row.source),
-        marks=(bar, diamond) if is_moved else (bar,),
-        beside=(said("headroom_beside", row=row),),
-        said=said("headroom_said", row=row),
-    )
+    if row.status == FREE and row.allowed:
+        yield Dot(start=_drawn(row.factor), shape="D", colour=PAPER, width=4.0)
 
 
 def _factor(row: SourceAllotment) -> float:

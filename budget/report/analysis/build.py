@@ -27,7 +27,7 @@ from budget.report.analysis.verdict import (
 from budget.report.analysis.what_if import in_page_units, what_if_section
 from budget.report.document import to_json
 from budget.report.figures.contributions import correlation_chart
-from budget.report.figures.density import density_picture
+from budget.report.figures.density import density_plot
 from budget.report.figures.outputs import validity_chart
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import coupling_chart, sobol_chart
@@ -190,7 +190,7 @@ def report_document(
         ),
         densities=evidence.densities,
         distributions=[
-            density_picture(one, coverage=budget.settings.coverage)
+            density_plot(one, coverage=budget.settings.coverage).picture
             for one in evidence.densities
         ],
         made=made,

@@ -21,7 +21,7 @@ from budget.report.figures.contributions import (
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import sobol_chart
 from budget.report.pages import blocks, line, sections
-from budget.report.readings import effect_line, verdict_line
+from budget.report.standing import mode_sentence, not_given_lines
 from budget.report.tables import (
     DASH,
     bound_number,
@@ -30,7 +30,6 @@ from budget.report.tables import (
     round_u,
     settings_lines,
 )
-from budget.report.wording import mode_sentence, not_given_lines
 from budget.results import CONVENTION, worst_of
 
 if TYPE_CHECKING:
@@ -93,7 +92,6 @@ def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, 
     """Return the worst output of each group, and what a reader must know beside it."""
     return blocks(
         "analysis/brief",
-        effect_line=effect_line,
         budget=budget,
         assessment=budget.assessment,
         worst=[_worst(budget.assessment, group) for group in groups],
@@ -168,8 +166,6 @@ def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
         "charts": [chart for chart in charts if chart],
         "not_given": not_given_lines(budget.could_widen, is_later=is_later),
         "settings": settings_lines(budget.settings),
-        "effect_line": effect_line,
-        "verdict_line": verdict_line,
         "AXES": AXES,
         "CONVENTION": CONVENTION,
         "TESTED": TESTED,

@@ -14,7 +14,7 @@ from budget.names import by_group, parameters_of
 from budget.question import sensors_of
 from budget.report.formulas import check_formula
 from budget.report.pages import sections
-from budget.report.wording import error_reference
+from budget.report.standing import error_reference
 from budget.sentences import described
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from budget.report.analysis.verdict import answer_rows
 from budget.report.blocks import Abreast, Card, Paragraph, Run
 from budget.report.document import to_json
 from budget.report.figures.growth import growth_pictures
-from budget.report.figures.track import Way, track_picture
+from budget.report.figures.track import Way, track_plot
 from budget.report.inputs import inputs_section, print_degrees
 from budget.report.mission import (
     PLANE,
@@ -33,14 +33,21 @@ from budget.report.mission import (
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.route import way_of
-from budget.report.standing import NAMES, counting, keyed, missing
+from budget.report.standing import (
+    NAMES,
+    counting,
+    deciding_lines,
+    keyed,
+    missing,
+    standing_blocks,
+)
 from budget.report.tables import (
     SMALL_SHARE,
     full_title,
     of_the_variance,
     print_coverage,
 )
-from budget.report.wording import capital, deciding_lines, standing_blocks
+from budget.report.writing import capital
 from budget.results import BY_PREDICTION
 from budget.studies.mission import curve, drawn_times
 from budget.studies.verdicts import calibration_words, use_words
@@ -157,7 +164,7 @@ def mission_figures(budget: Budget) -> tuple[Picture, ...]:
     limits = () if budget.assessment is None else budget.assessment.outputs
     found = curve(question, times)
     way = way_with_errors(budget, found)
-    track = () if way is None else (track_picture(way),)
+    track = () if way is None else (track_plot(way).picture,)
     return (*growth_pictures(found, limits), *track)
 
 

@@ -14,6 +14,7 @@ from budget.report.blocks import Share, Shares
 from budget.report.figures.style import OTHER, look_of
 from budget.report.mission import PLANE, by_time, limits_blocks
 from budget.report.pages import cards, line, runs, sections
+from budget.report.standing import outcome_words
 from budget.report.tables import (
     HEADING,
     SMALL_SHARE,
@@ -30,7 +31,6 @@ from budget.report.tables import (
     unit_for,
     used_part,
 )
-from budget.report.wording import outcome_words
 from budget.results import BY_LAW, worst_of
 from budget.studies.verdicts import FAILS, calibration_words
 from budget.studies.what_if import mended

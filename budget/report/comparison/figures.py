@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.report.comparison.tables import merit_points
+from budget.report.figures.curves import free_place
 from budget.report.figures.rows import (
+    CELL_EDGE,
     Bar,
     Chart,
-    Group,
+    ChartGroup,
+    ChartPanel,
+    ChartRow,
     Head,
-    Panel,
-    Row,
-    Scale,
-    Side,
+    rows_of,
 )
 from budget.report.figures.style import (
     BLUE,
@@ -24,28 +26,30 @@ from budget.report.figures.style import (
     INK,
     MUTED,
     PAPER,
-    as_picture,
+    Scale,
+    add_plane,
+    blank,
     house_style,
-    log_ticks,
-    plane,
     text_width,
     write,
 )
-from budget.report.pages import line
-from budget.report.tables import AT_LEAST, as_limited, largest_error, used_part
+from budget.report.figures.tabled import Plot, entries
+from budget.report.pages import figure, line
+from budget.report.tables import AT_LEAST, as_limited, used_part
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
+    from types import SimpleNamespace
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
 
-    from budget.report.blocks import Picture
     from budget.report.blocks import Table as DataTable
     from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
+    from budget.report.figures.rows import ChartMark
     from budget.results import OutputAssessment
+    from budget.studies.figures_of_merit import Amount
 
 SHOWN = 30  # devices of a map, the best ones that can be judged; all are in the tables
 DOTS = "..."
@@ -65,10 +69,11 @@ NAMED = 3  # devices in a title
 MOST_NAMES = 24  # dots of a front: names of more have no room
 MOST_TICKS = 8  # of an axis of a front
 DOT, HIGH = 4.0, 9.5  # half of the room of a dot; height of its name [pt]
-said = partial(line, "figures_comparison")
+PAGE = "figures_comparison"
+said = partial(line, PAGE)
 
 
-def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
+def map_chart(table: Ranking, name: str, data: DataTable | None) -> Chart:
     """Show devices by outputs, best first: one hue, a step and a frame at the limit.
 
     Of those that can be judged; outputs that are alike for all of them, as equal axes
@@ -76,12 +81,21 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
     """
     rows = table.measured[:SHOWN]
     columns = _columns(rows)
-    cells = Panel(
-        scale=Scale(low=0.0, high=float(len(columns)), ticks=()),
-        groups=(Group(rows=tuple(_map_row(row, columns) for row in rows)),),
+    known = [row for row in table.measured if not row.of.lower_bound]
+    tightest = Counter(row.of.worst_output.quantity for row in known)
+    told, own = figure(
+        PAGE,
+        "map",
+        table=table,
+        rows=rows,
+        known=known,
+        most=tightest.most_common(1),
     )
+    (drawn,) = rows_of(own, partial(_map_cells, columns=columns), rows)
+    marked = [mark_name(row, LONG_NAME) for row in rows]
+    named = map(lambda one, label: replace(one, label=label), drawn.rows, marked)
     width = 1.1 * DARKEST_AT / STEPS
-    hues = tuple(
+    hues = [
         Bar(
             start=step * width,
             end=(step + 1) * width,
@@ -90,24 +104,55 @@ def map_chart(table: Ranking, name: str, data: DataTable) -> Chart:
             opacity=_opacity((step + 0.5) * width),
         )
         for step in range(STEPS)
-    )
-    ticks = ((0.0, "0"), (1.0, said("limit")), (DARKEST_AT, said("beyond")))
-    scale = Panel(
-        scale=Scale(low=0.0, high=STEPS * width, ticks=ticks),
-        groups=(Group(rows=(Row(label="", marks=hues),)),),
-    )
+    ]
+    ticks = ((0.0, "0"), (1.0, told.limit), (DARKEST_AT, told.beyond))
     return Chart(
         name=name,
-        title=map_title(table),
-        sides=(Side(panels=(cells, scale)),),
-        lead=said("map_lead"),
-        caption=said("map_caption", table=table, shown=SHOWN),
+        title=told.title,
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=float(len(columns)), ticks=()),
+                groups=(replace(drawn, rows=tuple(named)),),
+            ),
+            ChartPanel(
+                scale=Scale(low=0.0, high=STEPS * width, ticks=ticks),
+                groups=(ChartGroup(rows=(ChartRow(label="", marks=tuple(hues)),)),),
+            ),
+        ),
+        table=own,
+        has_data=False,
+        numbers=data,
+        caption=told.caption,
         heads=tuple(_output_heads(rows[0], columns)),
         pitch=15.0,
-        data=data,
-        data_on_paper=False,
         width=BROAD,
     )
+
+
+def _map_cells(
+    _: object, row: Device, columns: Sequence[Sequence[int]]
+) -> Iterator[ChartMark]:
+    """Yield the cells of one device; each has its tooltip."""
+    for x, places in enumerate(columns):
+        output = row.of.outputs[places[0]]
+        yield Bar(
+            start=x + CELL_EDGE,
+            end=x + 1.0 - CELL_EDGE,
+            colour=BLUE,
+            edge="none",
+            opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
+            height=14.0,
+            is_framed=not output.is_within,
+            text=_cell(output),
+            strong=not output.is_within,
+            tip=said(
+                "map_tip",
+                device=row.device,
+                names=[row.of.outputs[k].output.name for k in places],
+                limited=as_limited(output),
+                printed_limit=output.printed_limit,
+            ),
+        )
 
 
 def _columns(rows: Sequence[Device]) -> list[list[int]]:
@@ -120,45 +165,6 @@ def _columns(rows: Sequence[Device]) -> list[list[int]]:
 
     places = range(len(rows[0].of.outputs))
     return [list(own) for _, own in groupby(places, looks)]
-
-
-def map_title(table: Ranking) -> str:
-    """State the finding: which output is the tightest for most devices."""
-    rows = [row for row in table.measured if not row.of.lower_bound]
-    tightest = Counter(row.of.worst_output.quantity for row in rows)
-    return said("map_title", table=table, rows=rows, most=tightest.most_common(1))
-
-
-def _map_row(row: Device, columns: Sequence[Sequence[int]]) -> Row:
-    """Return the cells of one device; each has its tooltip."""
-    return Row(
-        label=mark_name(row, LONG_NAME),
-        marks=tuple(
-            Bar(
-                start=x + 0.02,
-                end=x + 0.98,
-                colour=BLUE,
-                edge="none",
-                opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
-                height=14.0,
-                is_framed=not output.is_within,
-                text=_cell(output),
-                strong=not output.is_within,
-                tip=said(
-                    "map_tip",
-                    device=row.device,
-                    names=[row.of.outputs[k].output.name for k in places],
-                    error=largest_error(as_limited(output)).text,
-                    unit=as_limited(output).output.unit,
-                    printed_limit=output.printed_limit,
-                    used=used_part(output).text,
-                ),
-            )
-            for x, places in enumerate(columns)
-            for output in [row.of.outputs[places[0]]]
-        ),
-        said=said("map_said", row=row),
-    )
 
 
 def _output_heads(row: Device, columns: Sequence[Sequence[int]]) -> Iterator[Head]:
@@ -200,32 +206,38 @@ def _cell(output: OutputAssessment) -> str:
     return text if len(text) <= ROOM or text[:1] == AT_LEAST else "<0.1"
 
 
-def front_picture(table: Ranking, merit: str, name: str, data: DataTable) -> Picture:
-    """Return the part of the limit against a cost; each point has its tooltip."""
-    points, title = merit_points(table, merit), pareto_title(table, merit)
-    return as_picture(
-        pareto_scatter(table, merit),
-        name=name,
-        title=title,
-        alt=said("front_alt", title=title, merit=merit, points=points),
-        tips={
-            f"tip-{place}": said("front_tip", row=row, amount=amount)
-            for place, (row, amount) in enumerate(points)
-        },
-        caption=said("front_caption", table=table, merit=merit),
-        data=data,
-        is_wide=True,
-        data_on_paper=False,
-    )
+def front_plot(table: Ranking, merit: str) -> Plot | str:
+    """Show the part of the limit against a cost; else say why there is no figure.
 
-
-def no_front(table: Ranking, merit: str) -> str:
-    """Say why there is no front; '' where there is one, with a name at every dot."""
+    The front is joined, the rest grey. There is none where it would show nothing, or a
+    name would have no room beside its dot.
+    """
     points = merit_points(table, merit)
-    why = said("no_front", points=points, merit=merit)
-    if why or _drawn_front(table, merit) is not None:
+    if why := said("no_front", points=points, merit=merit):
         return why
-    return said("no_room", points=points)
+    told, own = figure(
+        PAGE,
+        "front",
+        table=table,
+        merit=merit,
+        points=points,
+        names=list(
+            dict.fromkeys(row.device for row, _ in points if merit in row.of.on_front)
+        ),
+        most=NAMED,
+    )
+    found = _drawn_front(points, merit, told)
+    if found is None:
+        return said("no_room", points=points)
+    ((_, rows),) = entries(own)
+    return Plot(
+        name=f"front-{merit}-{table.name}",
+        said=told,
+        table=own,
+        draw=lambda: found,
+        tips={f"tip-{place}": one.tip for place, one in enumerate(rows)},
+        is_wide=True,
+    )
 
 
 def no_fronts(why: Mapping[str, str]) -> str:
@@ -234,130 +246,82 @@ def no_fronts(why: Mapping[str, str]) -> str:
 
 
 @house_style()
-def pareto_scatter(table: Ranking, merit: str) -> Figure:
-    """Draw the part of the limit against a cost; the front is joined, the rest grey.
-
-    Raises
-    ------
-    ValueError
-        There is no room for the name of every dot: `no_front` says so.
-    """
-    figure = _drawn_front(table, merit)
-    if figure is None:
-        raise ValueError(f"no room for the names of all devices by {merit}")
-    return figure
-
-
-@house_style()
-def _drawn_front(table: Ranking, merit: str) -> Figure | None:
+def _drawn_front(
+    points: Sequence[tuple[Device, Amount]], merit: str, told: SimpleNamespace
+) -> Figure | None:
     """Draw a front; None where a name would lie on another one, or on a dot."""
-    points = merit_points(table, merit)
-    figure, axes = plane(
-        pareto_title(table, merit),
-        said("cost_axis", merit=merit, unit=points[0][1].unit),
-        said("error_axis"),
-        240.0,
-    )
-    figure.set_size_inches(BROAD / INCH, 240.0 / INCH)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    costs = [amount.value for _, amount in points]
-    parts = [max(row.of.utilisation, LEAST) for row, _ in points]
-    axes.set_xlim(min(costs) / 1.6, max(costs) * 2.2)
-    axes.set_ylim(100.0 * min(0.5, *parts) / 1.5, 100.0 * max(2.0, *parts) * 1.5)
-    log_ticks(axes.xaxis, MOST_TICKS)
-    log_ticks(axes.yaxis, MOST_TICKS)
-    axes.minorticks_off()
-    axes.axhline(100.0, color=INK, linewidth=1.0, zorder=1)
-    on_front = [
-        (amount.value, 100.0 * max(row.of.utilisation, LEAST))
-        for row, amount in points
-        if merit in row.of.on_front
+    places = [
+        (amount.value, 100.0 * max(row.of.utilisation, LEAST)) for row, amount in points
     ]
-    if on_front:
-        axes.plot(*zip(*on_front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
-    for place, (row, amount) in enumerate(points):
-        point = _draw_point(axes, row, amount.value, is_best=merit in row.of.on_front)
-        point.set_gid(f"tip-{place}")
+    costs, parts = zip(*places, strict=True)
+    log = partial(Scale, kind="log", most=MOST_TICKS)
+    x = log(low=min(costs) / 1.6, high=max(costs) * 2.2, label=told.cost)
+    low, high = min(50.0, *parts) / 1.5, max(200.0, *parts) * 1.5
+    y = log(low=low, high=high, label=told.error)
+    drawing = blank(240.0, width=BROAD)
+    axes = add_plane(drawing, x, y, left=88.0, right=100.0, height=194.0)
+    axes.axhline(100.0, color=INK, linewidth=1.0, zorder=1)
+    best = [merit in row.of.on_front for row, _ in points]
+    if any(best):
+        front = [at for at, is_best in zip(places, best, strict=True) if is_best]
+        axes.plot(*zip(*front, strict=True), color=BLUE, linewidth=1.0, zorder=2)
     names: dict[tuple[float, float], list[str]] = {}
-    for row, amount in points:  # devices in one place share a name
-        place_of = (amount.value, 100.0 * max(row.of.utilisation, LEAST))
-        names.setdefault(place_of, []).append(mark_name(row, NAME))
-    return figure if _write_names(axes, names) else None
+    for place, ((row, _), at, is_best) in enumerate(
+        zip(points, places, best, strict=True)
+    ):
+        if row.of.lower_bound:  # there, or above
+            axes.plot([at[0]] * 2, [at[1], high], color=MUTED, linewidth=0.9, zorder=1)
+        colour = BLUE if is_best else MUTED
+        axes.plot(
+            *([one] for one in at),
+            marker="o",
+            markersize=5.0,
+            color=colour if row.of.verdict in SURE else PAPER,
+            markeredgecolor=colour,
+            linestyle="none",
+            zorder=4 if is_best else 3,
+            gid=f"tip-{place}",
+        )
+        # Devices in one place share a name.
+        names.setdefault(at, []).append(mark_name(row, NAME))
+    return drawing if _write_names(axes, names) else None
 
 
 def _write_names(
     axes: Axes, names: Mapping[tuple[float, float], Sequence[str]]
 ) -> bool:
     """Write a name beside every dot; whether each has room of its own."""
-    if len(names) > MOST_NAMES:
-        return False
     scale = INCH / axes.figure.dpi
     dots = {at: scale * axes.transData.transform(at) for at in names}
-    low, high = scale * axes.bbox.y0, scale * axes.bbox.y1
+    within = (scale * axes.bbox.x0, scale * axes.bbox.y0, BROAD, scale * axes.bbox.y1)
     taken = [(x - DOT, y - DOT, x + DOT, y + DOT) for x, y in dots.values()]
-    for at, own in names.items():
+    for at, own in names.items() if len(names) <= MOST_NAMES else ():
         name = said("front_label", names=own)
-        width = text_width(name)
-        x, y = dots[at]
-        for dx, dy, side in (
-            (6.0, 0.0, "left"),
-            (-6.0, 0.0, "right"),
-            (0.0, 9.0, "center"),
-            (0.0, -9.0, "center"),
-        ):
-            left = x + dx - width * {"left": 0.0, "right": 1.0, "center": 0.5}[side]
-            box = (left, y + dy - HIGH / 2, left + width, y + dy + HIGH / 2)
-            inside = scale * axes.bbox.x0 < left and left + width < BROAD
-            if inside and low < box[1] and box[3] < high and not _meets(box, taken):
-                break
-        else:
+        width, (x, y) = text_width(name), dots[at]
+        boxes = [
+            (
+                x + dx - part * width,
+                y + dy - HIGH / 2,
+                x + dx + (1.0 - part) * width,
+                y + dy + HIGH / 2,
+            )
+            for dx, dy, _, part in BESIDE_DOT
+        ]
+        place = free_place(boxes, within, taken)
+        if place is None:
             return False
-        taken.append(box)
+        dx, dy, side, _ = BESIDE_DOT[place]
         write(axes, name, at, (dx, dy), ha=side)
-    return True
+    return len(names) <= MOST_NAMES
 
 
-def _meets(
-    box: tuple[float, float, float, float],
-    others: Iterable[tuple[float, float, float, float]],
-) -> bool:
-    """Whether a box lies on one of others; left, low, right, high."""
-    return any(
-        box[0] < right and left < box[2] and box[1] < high and low < box[3]
-        for left, low, right, high in others
-    )
-
-
-def pareto_title(table: Ranking, merit: str) -> str:
-    """State the finding: which devices nobody beats in both."""
-    points = merit_points(table, merit)
-    best = [row.device for row, _ in points if merit in row.of.on_front]
-    names = list(dict.fromkeys(best))
-    return said(
-        "front_title", subject=table.subject, merit=merit, names=names, most=NAMED
-    )
-
-
-def _draw_point(axes: Axes, row: Device, cost: float, *, is_best: bool) -> Line2D:
-    """Draw one device; those on the front have their names beside them."""
-    y = 100.0 * max(row.of.utilisation, LEAST)
-    sure = row.of.verdict in SURE
-    colour = BLUE if is_best else MUTED
-    if row.of.lower_bound:  # there, or above
-        top = axes.get_ylim()[1]
-        axes.plot([cost, cost], [y, top], color=MUTED, linewidth=0.9, zorder=1)
-    (point,) = axes.plot(
-        [cost],
-        [y],
-        marker="o",
-        markersize=5.0,
-        color=colour if sure else PAPER,
-        markeredgecolor=colour,
-        linestyle="none",
-        zorder=4 if is_best else 3,
-    )
-    return point
+# Where a name may stand at its dot [pt], its side there, and its part left of that.
+BESIDE_DOT = (
+    (6.0, 0.0, "left", 0.0),
+    (-6.0, 0.0, "right", 1.0),
+    (0.0, 9.0, "center", 0.5),
+    (0.0, -9.0, "center", 0.5),
+)
 
 
 def fit_name(name: str, length: int) -> str:
@@ -373,6 +337,5 @@ def fit_name(name: str, length: int) -> str:
 
 def mark_name(row: Device, length: int) -> str:
     """Return a device's name that fits, marked where specifications are missing."""
-    if not row.missing:
-        return fit_name(row.device, length)
-    return fit_name(row.device, length - len(MARK)) + MARK
+    mark = MARK if row.missing else ""
+    return fit_name(row.device, length - len(mark)) + mark

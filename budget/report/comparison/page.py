@@ -13,13 +13,11 @@ from budget.names import MISSION
 from budget.report.blocks import Document, ForPages, Paragraph
 from budget.report.comparison.document import to_json
 from budget.report.comparison.figures import (
-    front_picture,
+    front_plot,
     map_chart,
-    no_front,
     no_fronts,
 )
 from budget.report.comparison.tables import (
-    merit_points,
     print_bounds,
     print_conformance,
     rank_of,
@@ -29,11 +27,10 @@ from budget.report.comparison.tables import (
     tallies,
 )
 from budget.report.figures.rows import chart_picture
+from budget.report.figures.tabled import Plot
 from budget.report.pages import blocks, document, line, lines, sections
 from budget.report.provenance import provenance_section
-from budget.report.readings import verdict_line
-from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
-from budget.report.wording import (
+from budget.report.standing import (
     deciding_lines,
     error_reference,
     mode_remark,
@@ -41,6 +38,7 @@ from budget.report.wording import (
     parted,
     standing_lines,
 )
+from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import MERITS, over_cap
@@ -145,7 +143,6 @@ def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
         "filling": mode_sentence(comparison.settings),
         "print_chance": print_chance,
         "print_conformance": print_conformance,
-        "verdict_line": verdict_line,
         "AT_LEAST": AT_LEAST,
         "FEW": FEW,
         "MANY": MANY,
@@ -309,16 +306,21 @@ def _drawn(table: Ranking) -> Iterator[Block]:
         outputs = _data("outputs", table=table, used_part=used_part)
         yield chart_picture(map_chart(table, f"map-{table.name}", outputs))
     for merit in MERITS:
-        if not no_front(table, merit):
-            points = merit_points(table, merit)
-            data = _data("front", table=table, merit=merit, points=points)
-            yield front_picture(table, merit, f"front-{merit}-{table.name}", data)
+        front = front_plot(table, merit)
+        if isinstance(front, Plot):
+            yield front.picture
 
 
 def _not_drawn(found: Sequence[Ranking]) -> Iterator[Block]:
     """Say which fronts are not drawn, and why, once where that is the same for all."""
     why = {
-        table.subject: no_fronts({merit: no_front(table, merit) for merit in MERITS})
+        table.subject: no_fronts(
+            {
+                merit: front if isinstance(front, str) else ""
+                for merit in MERITS
+                for front in [front_plot(table, merit)]
+            }
+        )
         for table in found
     }
     if len({*why.values()}) == 1:

@@ -12,8 +12,7 @@ shifts both averages alike. That of an average beside it is what a budget counts
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
-from math import ceil, floor, log10, sqrt
+from math import ceil, floor, inf, log10, sqrt
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -26,31 +25,28 @@ from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule, Window
 from budget.names import Name
-from budget.report.figures.lines import name_lines
+from budget.report.figures.curves import free_place, name_lines
 from budget.report.figures.style import (
-    GRID,
     HATCH,
     INK,
-    MUTED,
-    SMALL,
     WIDTH,
-    add_panel,
-    as_picture,
+    Scale,
+    add_plane,
     blank,
-    house_style,
     in_order,
-    log_ticks,
     look_of,
     text_width,
     write,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import Plot, alternative_of_curves
+from budget.report.pages import figure, line
 from budget.report.tables import round_uncertainty, source_title
 from budget.ties import first_largest
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from types import SimpleNamespace
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -58,7 +54,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
     from budget.model.noise import Process
-    from budget.report.blocks import Picture
+    from budget.report.figures.curves import Box
 
 READ_IN = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 42.0, 160.0, 34.0, 52.0, 112.0  # [pt]
@@ -69,7 +65,7 @@ BELOW_SUM = 30.0  # of the vertical axis, from the least of the sum down [1]
 MARKS = 3  # windows of different lengths at the most
 APART = 1.05  # of windows of different lengths [1]
 SIGMA = "\N{GREEK SMALL LETTER SIGMA}"
-said = partial(line, "figures_allan")
+PAGE = "figures_allan"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,131 +219,109 @@ def _windows(sensor: str, procedure: Procedure) -> list[list[Window]]:
     return sorted(most, key=lambda own: own[-1].length, reverse=True)
 
 
-def allan_picture(allan: Allan) -> Picture:
+def allan_plot(allan: Allan) -> Plot:
     """Show the noise of a data sheet over averaging time, and where a test averages."""
-    title, scale = allan_title(allan), allan.unit[1]
-    whole = allan.whole / scale
-    rows = [
-        (
-            float(allan.times[k]),
-            [float(one[k]) / scale for one in allan.deviations.values()],
-            float(whole[k]),
-        )
-        for k in range(0, allan.times.size, PER_DECADE)
-    ]
-    names = [source_title(name) for name in allan.deviations]
-    data: Any = blocks("figures_allan", "data", allan=allan, names=names, rows=rows)[0]
-    return as_picture(
-        draw_allan(allan),
-        name=f"allan-{allan.sensor}",
-        title=title,
-        alt=said(
-            "alt",
-            title=title,
-            allan=allan,
-            rows=[
-                (name, *(round_uncertainty(float(one[k]) / scale) for k in (0, -1)))
-                for name, one in zip(names, allan.deviations.values(), strict=True)
-            ],
-            scale=scale,
-        ),
-        caption=said("caption", allan=allan),
-        data=data,
-        data_on_paper=False,
-    )
-
-
-def allan_title(allan: Allan) -> str:
-    """State the finding: u of an average by the noise, and what makes most of it."""
-    name, share, time, size = allan.top
-    unit, scale = allan.unit
-    return said(
-        "title",
+    (name, share, time, size), (unit, scale) = allan.top, allan.unit
+    told, table = figure(
+        PAGE,
+        "allan",
+        allan=allan,
         sensor=words(allan.sensor),
         size=f"{round_uncertainty(size / scale)} {unit}",
-        sigma=f"{round_uncertainty(allan.marks[0].sigma / scale)} {unit}"
-        if allan.marks
-        else "",
         time=time,
         source=source_title(name),
         share=share,
+        names=[source_title(one) for one in allan.deviations],
+        rows=[
+            (
+                float(allan.times[k]),
+                [float(one[k]) / scale for one in allan.deviations.values()],
+                float(allan.whole[k]) / scale,
+            )
+            for k in range(0, allan.times.size, PER_DECADE)
+        ],
+        scale=scale,
+    )
+    more = [line(PAGE, "mark", one=one, scale=scale) for one in allan.marks]
+    return Plot(
+        name=f"allan-{allan.sensor}",
+        said=told,
+        table=table,
+        draw=lambda: _draw(allan, told),
+        alt=alternative_of_curves(told.title, table, more),
     )
 
 
-@house_style()
-def draw_allan(allan: Allan) -> Figure:
+def _draw(allan: Allan, told: SimpleNamespace) -> Figure:
     """Draw each line, their sum, and the windows of the test, all logarithmic."""
-    unit, scale = allan.unit
-    figure = blank(ABOVE + HEIGHT + BELOW)
-    figure.set_label(allan_title(allan))
-    axes = add_panel(
-        figure, left=LEFT, top=ABOVE, width=WIDTH - LEFT - RIGHT, height=HEIGHT
-    )
-    axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
-    axes.grid(color=GRID, linewidth=0.6)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(allan.times[0], allan.times[-1])
+    scale = allan.unit[1]
+    drawing = blank(ABOVE + HEIGHT + BELOW)
     whole = allan.whole / scale
     averages = [one.average / scale for one in allan.marks]
-    low, high = float(whole.min()) / BELOW_SUM, 2.0 * max(whole.max(), *averages, 0.0)
-    seen = [
-        float(one.min()) / scale
-        for one in allan.deviations.values()
-        if one.max() / scale > low
+    least, high = float(whole.min()) / BELOW_SUM, 2.0 * max(whole.max(), *averages, 0.0)
+    curves = [
+        (source_title(name), one / scale, look_of(name))
+        for name, one in allan.deviations.items()
     ]
-    axes.set_ylim(max(low, min(seen) / 2.0), high)
-    names: list[tuple[float, str]] = []
-    looks: dict[str, dict[str, Any]] = {}
-    for name, one in allan.deviations.items():
-        title, (colour, hatch, _) = source_title(name), look_of(name)
-        if float(one.max()) / scale <= axes.get_ylim()[0]:
-            continue
-        looks[title] = {
-            "color": colour,
-            "linewidth": 1.3,
-            "linestyle": "--" if hatch == HATCH else "-",
-        }
-        axes.plot(allan.times, one / scale, **looks[title])
-        names.append((float(one[-1]) / scale, title))
-    if len(allan.deviations) > 1:
-        title = said("whole")
-        looks[title] = {"color": INK, "linewidth": 2.0, "linestyle": ":"}
-        axes.plot(allan.times, whole, **looks[title])
-        names.append((float(whole[-1]), title))
+    seen = [float(one.min()) for _, one, _ in curves if one.max() > least]
+    low = max(least, min(seen) / 2.0)
+    axes = add_plane(
+        drawing,
+        Scale(
+            low=allan.times[0],
+            high=allan.times[-1],
+            kind="log",
+            most=9,
+            label=told.time_axis,
+        ),
+        Scale(low=low, high=high, kind="log", most=9, label=told.axis),
+        left=LEFT,
+        top=ABOVE,
+        right=RIGHT,
+        height=HEIGHT,
+    )
+    lines = [
+        (title, one, colour, 1.3, "--" if hatch == HATCH else "-")
+        for title, one, (colour, hatch, _) in curves
+        if float(one.max()) > low
+    ]
+    if len(curves) > 1:
+        lines.append((told.whole, whole, INK, 2.0, ":"))
+    looks: dict[str, dict[str, Any]] = {
+        title: {"color": colour, "linewidth": width, "linestyle": dash}
+        for title, _, colour, width, dash in lines
+    }
+    for title, one, *_ in lines:
+        axes.plot(allan.times, one, **looks[title])
     _draw_marks(axes, allan, scale)
-    name_lines(axes, names, looks)
-    for axis in (axes.xaxis, axes.yaxis):
-        log_ticks(axis, most=9)
-    axes.minorticks_off()
-    axes.set_xlabel(said("time_axis"), fontsize=SMALL, color=MUTED)
-    axes.set_ylabel(said("axis", unit=unit), fontsize=SMALL, color=MUTED)
-    return figure
+    name_lines(axes, [(float(one[-1]), title) for title, one, *_ in lines], looks)
+    return drawing
 
 
 def _draw_marks(axes: Axes, allan: Allan, scale: float) -> None:
     """Mark sigma at the windows of the test and u of their averages; write both."""
-    taken: list[tuple[float, float]] = []
-    width = WIDTH - LEFT - RIGHT
+    taken: list[Box] = []
+    across = axes.transData + axes.transAxes.inverted()
     for one in allan.marks:
         axes.axvline(one.length, color=INK, linewidth=0.8, linestyle="--")
-        sizes = ((SIGMA, one.sigma, INK, 3.5), ("u", one.average, "none", 7.0))
-        text = said("window", length=one.length)
-        for name, size, inside, across in sizes:
+        text = line(PAGE, "window", length=one.length)
+        for name, size, inside, width in (
+            (SIGMA, one.sigma / scale, INK, 3.5),
+            ("u", one.average / scale, "none", 7.0),
+        ):
             axes.plot(
                 one.length,
-                size / scale,
+                size,
                 marker="o",
                 markerfacecolor=inside,
                 markeredgecolor=INK,
-                markersize=across,
+                markersize=width,
             )
-            text += f"\n{name} {round_uncertainty(size / scale)}"
+            text += f"\n{name} {round_uncertainty(size)}"
         half = max(map(text_width, text.split("\n"))) / 2.0 + 1.0
-        to_axes = axes.transData + axes.transAxes.inverted()
-        at = width * float(to_axes.transform((one.length, one.sigma / scale))[0])
-        if all(at + half <= start or at - half >= end for start, end in taken):
-            taken.append((at - half, at + half))
+        at = (WIDTH - LEFT - RIGHT) * float(across.transform((one.length, 1.0))[0])
+        box = (at - half, 0.0, at + half, 1.0)
+        if free_place([box], (-inf, 0.0, inf, 1.0), taken) is not None:
             write(
                 axes,
                 text,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
@@ -20,13 +19,12 @@ from budget.report.figures.style import (
     MUTED,
     SMALL,
     add_panel,
-    as_picture,
     blank,
-    house_style,
     rgb,
     without_name,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import Plot, entries
+from budget.report.pages import figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +35,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.records import Procedure
     from budget.model.windows import Window
-    from budget.report.blocks import Picture
+    from budget.report.blocks import Table
 
 ACROSS, CELL, NAMES, AIR = 5, 50.0, 24.0, 4.0  # cells, and their sizes [pt]
 SPAN = 1.35  # of a cell from its middle, in half edges of the cube times 2 [1]
@@ -55,7 +53,7 @@ UP = np.array(
     ]
 )
 SIGHT = np.cross(RIGHT, UP)  # to who looks, east, north, up
-said = partial(line, "figures_attitudes")
+PAGE = "figures_attitudes"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,11 +75,6 @@ class Attitude:
         axis = int(np.argmax(np.abs(self.up)))
         aligned = abs(self.up[axis]) >= ALIGNED
         return (AXES[axis], int(np.sign(self.up[axis]))) if aligned else None
-
-    @property
-    def turns_about_vertical(self) -> bool:
-        """Whether the axis that turns is vertical."""
-        return self.about is not None and bool(abs(self.up[self.about]) >= ALIGNED)
 
     @property
     def azimuths(self) -> int:
@@ -184,59 +177,28 @@ def _attitude(windows: Sequence[Window]) -> Attitude:
     )
 
 
-def positions_picture(positions: Positions) -> Picture:
+def positions_plot(positions: Positions) -> Plot:
     """Show the positions of a calibration and its turns as small cubes."""
-    title = positions_title(positions)
-    names = cell_names(positions)
-    data: Any = blocks(
-        "figures_attitudes",
-        "data",
-        rows=[*zip(names, positions.every, strict=True)],
-        component=_component,
-    )[0]
-    return as_picture(
-        draw_positions(positions),
-        name="positions",
-        title=title,
-        alt=said(
-            "alt",
-            title=title,
-            rows=[*zip(names, positions.every, strict=True)],
-            component=_component,
-        ),
-        caption=said("caption", positions=positions),
-        data=data,
-        data_on_paper=False,
+    said, table = figure(
+        PAGE, "positions", positions=positions, component=_component, axes=AXES
+    )
+    return Plot(
+        name="positions", said=said, table=table, draw=lambda: _draw(positions, table)
     )
 
 
-def positions_title(positions: Positions) -> str:
-    """State the finding: how many positions, and which axes they hold up."""
-    return said("title", positions=positions)
-
-
-def cell_names(positions: Positions) -> list[str]:
-    """Name positions by the axis that is up or down, else by their number."""
-    return [
-        said("cell", one=one, number=number, axes=AXES)
-        for number, one in enumerate(positions.every, start=1)
-    ]
-
-
-@house_style()
-def draw_positions(positions: Positions) -> Figure:
+def _draw(positions: Positions, table: Table) -> Figure:
     """Draw a cube with its axes for each attitude, row by row."""
     number = len(positions.every)
     across = min(ACROSS, number)
     height = AIR + (CELL + NAMES) * -(-number // across)
     width = ACROSS * (CELL + 2.0)
-    figure = blank(height, width=width)
-    figure.set_label(positions_title(positions))
-    names = cell_names(positions)
-    for place, (one, name) in enumerate(zip(positions.every, names, strict=True)):
+    drawing = blank(height, width=width)
+    ((_, own),) = entries(table)
+    for place, (one, named) in enumerate(zip(positions.every, own, strict=True)):
         row, column = divmod(place, across)
         axes = add_panel(
-            figure,
+            drawing,
             left=column * width / ACROSS,
             top=AIR + row * (CELL + NAMES),
             width=width / ACROSS,
@@ -250,7 +212,7 @@ def draw_positions(positions: Positions) -> Figure:
         without_name(axes.xaxis)
         without_name(axes.yaxis)
         _draw_cube(axes, one)
-        for k, text in enumerate((name, said("count", one=one))):
+        for k, text in enumerate((named.label, named.count)):
             axes.annotate(
                 text,
                 (0.5, 0.0),
@@ -262,7 +224,7 @@ def draw_positions(positions: Positions) -> Figure:
                 ha="center",
                 va="baseline",
             )
-    return figure
+    return drawing
 
 
 def _seen(points: Array) -> Array:

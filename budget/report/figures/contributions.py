@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from math import fsum, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from budget.language import key_title
-from budget.report.figures.rows import Bar, Chart, Group, Head, Panel, Row, Scale, Side
+from budget.report.figures.rows import (
+    Bar,
+    Chart,
+    ChartPanel,
+    Head,
+    cells,
+    rows_of,
+)
 from budget.report.figures.style import (
     BLUE,
     HATCH,
@@ -21,12 +26,13 @@ from budget.report.figures.style import (
     VERMILION,
     WIDE,
     WIDTH,
+    Scale,
     look_of,
     text_width,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import heads_of
+from budget.report.pages import figure
 from budget.report.tables import (
-    PER_CENT,
     SMALL_SHARE,
     print_coverage,
     print_decimals,
@@ -35,17 +41,16 @@ from budget.report.tables import (
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from types import SimpleNamespace
 
-    from budget.names import Name
-    from budget.report.tables import GroupTable, Number, OutputRow, SourceRow
+    from budget.report.tables import GroupTable, OutputRow, SourceRow
     from budget.results import Assessment, Budget
 
+PAGE = "figures_contributions"
 FEWEST = 2  # sources: one bar alone says nothing that a sentence does not
 MOST_ROWS = 7  # sources that have a row of their own
 PITCH = 14.0  # from row to row [pt]
 AIR = 1.06  # reach of an axis over the longest bar [1]
-said = partial(line, "figures_contributions")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,59 +117,40 @@ def tornado_chart(critical: Critical) -> Chart | None:
 
     None of fewer than two. The budget table has the numbers.
     """
-    group, place = critical.group, critical.place
-
-    def linear(source: SourceRow) -> Number:
-        part = source.cells[place]
-        return part.linear or part.u  # products of two sources have no c
-
-    sources = [one for one in critical.sources if linear(one).exact > 0.0]
-    sources.sort(key=lambda one: -settle(linear(one).exact))
-    if len(sources) < FEWEST:
+    place = critical.place
+    pairs = [  # products of two sources have no c
+        (one, part.linear or part.u)
+        for one in critical.sources
+        for part in [one.cells[place]]
+    ]
+    pairs = [pair for pair in pairs if pair[1].exact > 0.0]
+    pairs.sort(key=lambda pair: -settle(pair[1].exact))
+    if len(pairs) < FEWEST:
         return None
-    rows = []
-    for source in sources:
-        moved = linear(source)
-        colour, hatch, _ = look_of(source.source)
-        view = {"critical": critical, "source": source, "moved": moved}
-        bar = Bar(
-            start=-moved.exact,
-            end=moved.exact,
-            colour=colour,
-            hatch=hatch,
-            height=11.0,
-            tip=said("tornado_tip", **view),
-        )
-        rows.append(
-            Row(
-                label=source.title,
-                marks=(bar,),
-                beside=(
-                    f"\N{PLUS-MINUS SIGN}{moved.text}",
-                    source.cells[place].share.text,
-                ),
-                said=said("tornado_said", **view),
-            )
-        )
-    first = sources[0]
-    moved = linear(first)
-    most = AIR * moved.exact
+    said, table = figure(PAGE, "tornado", critical=critical, pairs=pairs)
+    most = AIR * pairs[0][1].exact
+    scale = Scale(low=-most, high=most, lines=((0.0, ""),), label=said.axis)
+    drawn = rows_of(
+        table,
+        lambda at, source: [
+            Bar(start=-at.u, end=at.u, tip=at.tip, **_look(look_of(source)))
+        ],
+        [source.source for source, _ in pairs],
+    )
     return Chart(
-        name=f"tornado-{group.sensor}-{group.parameter}",
-        title=said("tornado_title", critical=critical, source=first, moved=moved),
-        sides=_one_side(
-            Scale(
-                low=-most,
-                high=most,
-                lines=((0.0, ""),),
-                label=said("tornado_axis", unit=group.unit),
-            ),
-            rows,
-        ),
-        lead=said("tornado_lead", critical=critical),
-        beside=("c u(x)", said("share")),
+        name=f"tornado-{critical.group.sensor}-{critical.group.parameter}",
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        beside=heads_of(table),
         pitch=PITCH,
     )
+
+
+def _look(look: tuple[str, str, str]) -> dict[str, Any]:
+    """Return how a bar of a source looks."""
+    return {"colour": look[0], "hatch": look[1], "height": 11.0}
 
 
 def waterfall_chart(critical: Critical) -> Chart | None:
@@ -174,98 +160,66 @@ def waterfall_chart(critical: Critical) -> Chart | None:
     from that by is a step of its own. Then the mean error, where there is one: the
     middle of the interval. None of fewer than two steps.
     """
-    group, place, row = critical.group, critical.place, critical.row
-    sources = critical.sources
-    if not sources or row.law_k is None:
+    row, place = critical.row, critical.place
+    if not critical.sources or row.law_k is None:
         return None
-    k, u = row.law_k, row.u.exact
-    coverage = print_coverage(group.coverage)
-    reached = 0.0
-    rows = []
-    squares: list[float] = []
-    for source in sources:
-        squares.append(source.cells[place].u.exact ** 2)
-        after = k * sqrt(fsum(squares))
-        rows.append(_step(source.title, reached, after, u, look_of(source.source)))
-        reached = after
-    whole = row.expanded.exact
-    if len(sources) < sum(not source.is_idle for source in group.sources):
-        by_law = k * sqrt(fsum(one.cells[place].u.exact ** 2 for one in group.sources))
-        rows.append(_step(said("others"), reached, by_law, u, (MUTED, "", "")))
-        reached = by_law
+    every, own = (
+        [one.cells[place].u.exact ** 2 for one in sources]
+        for sources in (critical.group.sources, critical.sources)
+    )
+    ends = [
+        (one.title, row.law_k * sqrt(fsum(own[: k + 1])), look_of(one.source))
+        for k, one in enumerate(critical.sources)
+    ]
+    whole, mean = row.expanded.exact, abs(row.low.exact + row.high.exact) / 2.0
+    if len(own) < sum(not source.is_idle for source in critical.group.sources):
+        ends.append(("others", row.law_k * sqrt(fsum(every)), (MUTED, "", "")))
     if row.by:
-        look = (MUTED, HATCH, "")
-        rows.append(_step(said("trials"), reached, whole, u, look))
-    if len(rows) < FEWEST:
+        ends.append(("trials", whole, (MUTED, HATCH, "")))
+    if len(ends) < FEWEST:
         return None
-    head = f"U{coverage}" if row.by else f"U{coverage} = k u"
-    rows.append(_total(head, whole, row.expanded.text))
-    mean = abs(row.low.exact + row.high.exact) / 2.0
-    has_mean = float(round_value(mean, u)) != 0.0
+    starts = [0.0, *(end for _, end, _ in ends)]
+    steps = [*zip(starts, ends, strict=False), (0.0, ("total", whole, (INK, "", "")))]
     largest = max(abs(row.low.exact), abs(row.high.exact))
-    if has_mean:
-        label = said("mean", row=row)
-        rows.append(_step(label, whole, whole + mean, u, (REST, HATCH, "")))
-        text = row.low.text if abs(row.low.exact) > row.high.exact else row.high.text
-        rows.append(_total(said("largest"), largest, text.lstrip("-")))
+    if float(round_value(mean, row.u.exact)) != 0.0:
+        steps += [
+            (whole, ("mean", whole + mean, (REST, HATCH, ""))),
+            (0.0, ("largest", largest, (INK, "", ""))),
+        ]
+    said, table = figure(
+        PAGE,
+        "steps",
+        critical=critical,
+        coverage=print_coverage(critical.group.coverage),
+        steps=[
+            (title, start**2, end**2, round_value(end, row.u.exact))
+            for start, (title, end, _) in steps
+        ],
+    )
     limit = critical.limit
-    most = max(largest, whole, limit.at if limit else 0.0)
+    scale = Scale(
+        low=0.0,
+        high=AIR * max(largest, whole, limit.at if limit else 0.0) ** 2,
+        lines=((limit.at**2, said.limit),) if limit else (),
+        label=said.axis,
+    )
+    drawn = rows_of(
+        table,
+        lambda at, look: [Bar(start=at.start, end=at.end, **_look(look))],
+        [look for _, (*_, look) in steps],
+    )
     return Chart(
-        name=f"steps-{group.sensor}-{group.parameter}",
-        title=said("steps_title", critical=critical, coverage=coverage),
-        sides=_one_side(
-            Scale(
-                low=0.0,
-                high=AIR * most**2,
-                lines=((limit.at**2, said("limit", limit=limit)),) if limit else (),
-                label=said("steps_axis", coverage=coverage, unit=group.unit),
-            ),
-            rows,
-        ),
-        lead=said("steps_lead", coverage=coverage, critical=critical),
+        name=f"steps-{critical.group.sensor}-{critical.group.parameter}",
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
         pitch=PITCH,
     )
 
 
-def _step(
-    label: str, start: float, end: float, u: float, look: tuple[str, str, str]
-) -> Row:
-    """Return what one source adds to those above it, from U to U, drawn squared."""
-    text = round_value(end, u)
-    return Row(
-        label=label,
-        marks=(
-            Bar(
-                start=start**2,
-                end=end**2,
-                colour=look[0],
-                hatch=look[1],
-                height=11.0,
-            ),
-        ),
-        beside=(text,),
-        said=f"{label} {text}",
-    )
-
-
-def _total(label: str, end: float, text: str) -> Row:
-    """Return what all come to."""
-    return Row(
-        label=label,
-        marks=(Bar(start=0.0, end=end**2, colour=INK, height=11.0),),
-        beside=(text,),
-        strong=True,
-        said=f"{label} {text}",
-    )
-
-
-def _one_side(scale: Scale, rows: Sequence[Row]) -> tuple[Side, ...]:
-    """Return rows on one scale."""
-    return (Side(panels=(Panel(scale=scale, groups=(Group(rows=tuple(rows)),)),)),)
-
-
 SEEN = 0.2  # correlation below which nothing is drawn [1]
-CELL = 26.0  # width of a column of the map [pt]
+COLUMN = 26.0  # width of a column of the map [pt]
 # Opacity by the size of a correlation [1].
 STEPS = ((0.75, 1.0), (0.5, 0.72), (SEEN, 0.5))
 
@@ -288,79 +242,43 @@ def correlation_chart(budget: Budget) -> Chart | None:
     places = correlated(budget)
     if not places:
         return None
-    r = _off_diagonal(budget)
-    names = [budget.outputs[k].output.name for k in places]
-    rows = [
-        Row(
-            label=f"{number}  {key_title(name)}",
-            marks=tuple(
-                _cell(x, float(r[k, other]), names[number - 1], names[x])
-                for x, other in enumerate(places)
-                if abs(r[k, other]) >= SEEN
-            ),
-            said=said(
-                "correlation_said",
-                name=name,
-                seen=[
-                    (names[x], _per_cent(r[k, places[x]]))
-                    for x in range(number)
-                    if abs(r[k, places[x]]) >= SEEN
-                ],
-            ),
-        )
-        for number, (k, name) in enumerate(zip(places, names, strict=True), start=1)
-    ]
-    left = max(text_width(row.label, 9.0) for row in rows) + 24.0
-    width = WIDTH if left + CELL * len(places) <= WIDTH else WIDE
-    pairs = [
-        (names[x], names[y], _per_cent(r[k, places[y]]), r[k, places[y]])
-        for x, k in enumerate(places)
-        for y in range(x)
-        if abs(r[k, places[y]]) >= SEEN
-    ]
-    data: Any = blocks("figures_contributions", "correlation_data", pairs=pairs)[0]
+    r = 100.0 * _off_diagonal(budget)[places][:, places]
+    view = {"r": r.tolist(), "names": [budget.outputs[k].output.name for k in places]}
+    view |= {"seen": 100.0 * SEEN, "print": _per_cent}
+    most = np.unravel_index(first_largest(np.abs(r).ravel().tolist()), r.shape)
+    said, table = figure(PAGE, "correlation", most=[*map(int, most)], **view)
+    drawn = rows_of(table, lambda at: cells(at, _correlated))
+    left = max(text_width(row.label, 9.0) for row in drawn[0].rows) + 24.0
     return Chart(
         name="correlation",
-        title=_correlation_title(r, budget),
-        sides=_one_side(Scale(low=0.0, high=float(len(places)), ticks=()), rows),
-        lead=said("correlation_lead"),
-        caption=said("correlation_caption"),
-        heads=tuple(Head(at=x + 0.5, text=str(x + 1)) for x in range(len(places))),
+        title=said.title,
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=float(len(places)), ticks=()), groups=drawn
+            ),
+        ),
+        table=figure(PAGE, "correlated", **view)[1],
+        caption=said.caption,
+        heads=tuple(Head(at=k + 0.5, text=str(k + 1)) for k in range(len(places))),
         pitch=15.0,
-        width=width,
-        data_on_paper=False,
-        data=data,
+        width=WIDTH if left + COLUMN * len(places) <= WIDTH else WIDE,
     )
 
 
-def _correlation_title(r: np.ndarray, budget: Budget) -> str:
-    """State the finding: the two outputs that go together most."""
-    size = np.abs(r)
-    first, second = np.unravel_index(first_largest(size.ravel().tolist()), r.shape)
-    return said(
-        "correlation_title",
-        one=budget.outputs[first].output.name,
-        other=budget.outputs[second].output.name,
-        r=_per_cent(r[first, second]),
-    )
-
-
-def _cell(x: int, r: float, one: Name, other: Name) -> Bar:
-    """Return one cell of the map."""
+def _correlated(cell: SimpleNamespace) -> dict[str, Any] | None:
+    """Return how a cell of the map looks; None below what is drawn."""
+    r = (cell.exact or 0.0) / 100.0
+    if abs(r) < SEEN:
+        return None
     opacity = next(opacity for edge, opacity in STEPS if abs(r) >= edge)
-    return Bar(
-        start=x + 0.02,
-        end=x + 0.98,
-        colour=BLUE if r > 0.0 else VERMILION,
-        edge="none",
-        opacity=opacity,
-        height=13.0,
-        text=_per_cent(r),
-        text_colour=ON_DARK if opacity == 1.0 else INK,
-        tip=said("correlation_tip", one=one, other=other, r=_per_cent(r)),
-    )
+    return {
+        "colour": BLUE if r > 0.0 else VERMILION,
+        "opacity": opacity,
+        "height": 13.0,
+        "text_colour": ON_DARK if opacity == 1.0 else INK,
+    }
 
 
 def _per_cent(r: float) -> str:
     """Print a correlation in whole per cent."""
-    return print_decimals(PER_CENT * r, 0)
+    return print_decimals(r, 0)

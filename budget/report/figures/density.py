@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,14 +13,14 @@ from budget.report.figures.style import (
     MUTED,
     SMALL,
     WIDTH,
-    as_picture,
-    canvas,
-    house_style,
+    add_panel,
+    blank,
     text_width,
     without_name,
     write,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import Plot
+from budget.report.pages import figure
 from budget.report.tables import (
     AT_LEAST,
     AT_MOST,
@@ -32,10 +32,10 @@ from budget.report.tables import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from types import SimpleNamespace
+
     from matplotlib.figure import Figure
 
-    from budget.report.blocks import Picture
     from budget.studies.densities import Density
 
 LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
@@ -46,55 +46,42 @@ REACH = 3.6  # of the picture, in standard uncertainties at least [1]
 AIR = 6.0  # between words [pt]
 POINTS = 161  # of the normal law
 INSIDE, BEYOND = 0.28, 0.75  # opacities of the one hue, within the limits and not
-said = partial(line, "figures_density")
+PAGE = "figures_density"
 
 
-@house_style()
-def density_picture(density: Density, *, coverage: float) -> Picture:
-    """Return the density of one output as a block, with its numbers as a table."""
-    limit, title = _limit(density), density_title(density, coverage=coverage)
-    data: Any = blocks(
-        "figures_density",
-        "data",
+def density_plot(density: Density, *, coverage: float) -> Plot:
+    """Show the density of one output: trials, the normal law over it, limits."""
+    said, table = figure(
+        PAGE,
+        "density",
         density=density,
         coverage=coverage,
-        limit=limit,
+        beyond=part_beyond(density),
+        limit=_limit(density),
+        is_far=density.limit is not None and not _limits(density),
         scale=density.output.si_per_unit,
+        rounded=lambda x: round_error(x, density.u, density.output).text,
         marked=partial(_marked, density),
         at_most=AT_MOST,
         at_least=AT_LEAST,
-    )[0]
-    return as_picture(
-        density_step(density, coverage=coverage),
+    )
+    return Plot(
         name=f"density-{density.output.name}",
-        title=title,
-        alt=said(
-            "alt",
-            density=density,
-            coverage=coverage,
-            title=title,
-            limit=limit,
-            rounded=partial(_round, density),
-        ),
-        caption=said(
-            "caption",
-            density=density,
-            limit=limit,
-            is_far=density.limit is not None and not _limits(density),
-        ),
-        data=data,
-        data_on_paper=False,
+        said=said,
+        table=table,
+        draw=lambda: _draw(density, f"{print_coverage(coverage)} %", said),
     )
 
 
-@house_style()
-def density_step(density: Density, *, coverage: float) -> Figure:
+def _draw(density: Density, share: str, said: SimpleNamespace) -> Figure:
     """Draw the density of trials, the normal law over it, intervals and limits."""
-    figure, axes = canvas(HEIGHT, left=LEFT, right=RIGHT, top=TOP, below=BELOW)
-    figure.set_label(density_title(density, coverage=coverage))
-    scale = density.output.si_per_unit
-    low, high = _view(density)
+    drawing, scale = blank(HEIGHT), density.output.si_per_unit
+    width, height = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BELOW
+    axes = add_panel(drawing, left=LEFT, top=TOP, width=width, height=height)
     limits = _limits(density)
+    ends = (*_reach(density), *limits)
+    air = 0.02 * (max(ends) - min(ends))
+    low, high = min(ends) - air, max(ends) + air
     axes.set_xlim(low / scale, high / scale)
     x = np.linspace(low, high, POINTS)
     law = np.exp(-0.5 * ((x - density.mean) / density.u) ** 2)
@@ -104,12 +91,12 @@ def density_step(density: Density, *, coverage: float) -> Figure:
     axes.set_yticks([])
     without_name(axes.yaxis)
     far = np.inf if density.limit is None else density.limit
-    for ends, opacity in (
+    for own, opacity in (
         ((-far, far), INSIDE),
         ((-np.inf, -far), BEYOND),
         ((far, np.inf), BEYOND),
     ):
-        edges = np.clip(density.edges, *ends)  # bins that are not there have no width
+        edges = np.clip(density.edges, *own)  # bins that are not there have no width
         if edges[0] < edges[-1]:
             axes.stairs(
                 density.density / peak,
@@ -121,35 +108,26 @@ def density_step(density: Density, *, coverage: float) -> Figure:
             )
     axes.plot(x / scale, law / peak, color=INK, linewidth=1.1)
     axes.plot([low / scale, high / scale], [0.0, 0.0], color=MUTED, linewidth=0.6)
-    share = f"{print_coverage(coverage)} %"
-    for y, ends, colour, text in (
-        (-0.09, density.interval, INK, said("law")),
-        (-0.21, density.interval_mc, BLUE, said("trials")),
+    for y, (start, end), colour, text in (
+        (-0.09, density.interval, INK, said.law),
+        (-0.21, density.interval_mc, BLUE, said.trials),
     ):
-        at = (ends[0] / scale, ends[1] / scale)
-        _draw_interval(axes, y, at, colour, (share, text))
-    room = (text_width(said("limit")) + AIR) * (high - low)
-    are_near = len(limits) > 1 and 2.0 * far * (WIDTH - LEFT - RIGHT) < room
+        at = (start / scale, end / scale)
+        axes.plot(at, [y, y], color=colour, linewidth=3.0, solid_capstyle="butt")
+        write(axes, share, (at[0], y), (-4.0, 0.0), ha="right")
+        write(axes, text, (at[1], y), (4.0, 0.0))
+    room = (text_width(said.limit) + AIR) * (high - low)
+    are_near = len(limits) > 1 and 2.0 * far * width < room
     for limit in limits:
-        side = "center"
-        if are_near:
-            side = "right" if limit < 0.0 else "left"
-        _draw_limit(axes, limit / scale, side=side)
+        side = ("right" if limit < 0.0 else "left") if are_near else "center"
+        at = (limit / scale, limit / scale)
+        dashes = (0.0, (5.0, 2.0))
+        axes.plot(at, [0.0, 1.04], color=INK, linewidth=1.0, linestyle=dashes)
+        write(axes, said.limit, (at[0], 1.04), (0.0, 3.0), ha=side, va="baseline")
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
     axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
-    axes.set_xlabel(said("axis", output=density.output), fontsize=SMALL, color=MUTED)
-    return figure
-
-
-def density_title(density: Density, *, coverage: float) -> str:
-    """State the finding: how often the limit is exceeded, or where the errors lie."""
-    return said(
-        "title",
-        density=density,
-        coverage=coverage,
-        beyond=part_beyond(density),
-        rounded=partial(_round, density),
-    )
+    axes.set_xlabel(said.axis, fontsize=SMALL, color=MUTED)
+    return drawing
 
 
 def part_beyond(density: Density) -> float:
@@ -160,25 +138,6 @@ def part_beyond(density: Density) -> float:
     # Bins within the limits keep their width, those beyond have none left.
     lost = np.diff(density.edges) - np.diff(ends)
     return float((density.density * lost).sum())
-
-
-def _draw_interval(
-    axes: Axes, y: float, ends: tuple[float, float], colour: str, names: tuple[str, str]
-) -> None:
-    """Draw one coverage interval, its coverage on the left, its method on the right."""
-    axes.plot(ends, [y, y], color=colour, linewidth=3.0, solid_capstyle="butt")
-    for end, name, shift, side in zip(
-        ends, names, (-4.0, 4.0), ("right", "left"), strict=True
-    ):
-        write(axes, name, (end, y), (shift, 0.0), ha=side)
-
-
-def _draw_limit(axes: Axes, x: float, *, side: str) -> None:
-    """Draw one limit as a line with its name above."""
-    axes.plot(
-        [x, x], [0.0, 1.04], color=INK, linewidth=1.0, linestyle=(0.0, (5.0, 2.0))
-    )
-    write(axes, said("limit"), (x, 1.04), (0.0, 3.0), ha=side, va="baseline")
 
 
 def _reach(density: Density) -> tuple[float, float]:
@@ -201,22 +160,10 @@ def _limits(density: Density) -> tuple[float, ...]:
     return tuple(limit for limit in both if abs(limit - middle) <= FAR * half)
 
 
-def _view(density: Density) -> tuple[float, float]:
-    """Return the range that is drawn, with the limits that are near [SI]."""
-    ends = (*_reach(density), *_limits(density))
-    air = 0.02 * (max(ends) - min(ends))
-    return min(ends) - air, max(ends) + air
-
-
 def _marked(density: Density, value: float, sign: str) -> Number:
     """Round a value, and mark it where lines that are not given would move it."""
     number = round_error(value, density.u, density.output)
     return bound_number(number, lower_bound=bool(density.lacks), sign=sign)
-
-
-def _round(density: Density, value: float) -> str:
-    """Round a value of the output to its uncertainty, in its unit."""
-    return round_error(value, density.u, density.output).text
 
 
 def _limit(density: Density) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from math import ceil, floor, log, log10
 from typing import TYPE_CHECKING, Any
@@ -12,24 +12,22 @@ import numpy as np
 from budget.language import say
 from budget.model.source import ACCELEROMETER
 from budget.names import LENGTHS, MISSION, SPANS, time_text
-from budget.report.figures.lines import name_lines, on_paper
+from budget.report.figures.curves import name_lines, on_paper
 from budget.report.figures.style import (
     GRID,
     HATCH,
     INK,
-    MUTED,
     OTHER,
     PAPER,
-    SMALL,
     WIDTH,
-    add_panel,
-    as_picture,
+    Scale,
+    add_plane,
     blank,
-    house_style,
     look_of,
     text_width,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import Plot, alternative_of_curves, column_tips
+from budget.report.pages import figure, line
 from budget.report.tables import (
     AT_LEAST,
     UNITS,
@@ -44,6 +42,7 @@ from budget.units import DEGREE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from types import SimpleNamespace
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -73,7 +72,8 @@ TICK_ROOM = 0.18  # of the axis of times, for one of them [1]
 MOST_TICKS = 6  # of an even axis of times
 AIDED = 0.5  # opacity behind the times with aids
 PLANE = ("position", LENGTHS["position"])
-said = partial(line, "figures_growth")
+PAGE = "figures_growth"
+said = partial(line, PAGE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,95 +150,183 @@ def growth_pictures(
     names = (row.output.name for row in limits if row.output.name.owner == MISSION)
     errors = dict.fromkeys((PLANE, *((name.quantity, name.axis) for name in names)))
     every = (ErrorGrowth.of(curve, error) for error in errors)
-    return tuple(growth_picture(one, limits) for one in every if one is not None)
+    return tuple(growth_plot(one, limits).picture for one in every if one is not None)
 
 
-def growth_picture(
-    growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()
-) -> Picture:
+def growth_plot(growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()) -> Plot:
     """Show an error over time against its limits, and below it who makes it when.
 
     Shares are of the variance: they alone add up.
     """
-    curve, own = growth.curve, _limits_on(growth, limits)
+    curve = growth.curve
+    own = [
+        row
+        for row in limits
+        if (row.output.name.quantity, row.output.name.axis) == growth.error
+        and row.output.name.owner == MISSION
+    ]
     name = "-".join(
         ("mission-growth", *(growth.error if growth.error != PLANE else ()))
     )
-    title, tips = growth_title(growth), _tips(growth)
-    times = times_apart(curve.times)
-    rows = zip(
-        times,
-        *growth.sizes.values(),
-        growth.shares.T,
-        strict=True,
-    )
-    data: Any = blocks(
-        "figures_growth",
-        "data",
-        name=name,
-        growth=growth,
-        scale=growth.unit[1],
-        rows=[(after, sizes, shares) for after, *sizes, shares in rows],
-    )[0]
-    return as_picture(
-        draw_growth(growth, limits),
-        name=name,
-        title=title,
-        alt=said(
-            "alt",
-            title=title,
-            first=times[0],
-            end=curve.times[-1],
-            parts=(*tips.values(), *(said("limit_said", row=row) for row in own)),
-        ),
-        tips=tips,
-        caption=said(
-            "caption",
-            has_limits=bool(own),
-            has_aids=bool(curve.measured),
-            is_more=growth.is_more,
-            is_predicted=curve.mixture is not None,
-        ),
-        data=data,
-        data_on_paper=False,
-    )
-
-
-def growth_title(growth: ErrorGrowth) -> str:
-    """State the finding: how far off at the end, and what makes most of it."""
     last = growth.shares[:-1, -1].tolist()
     top = first_largest(last) if last else 0
-    name = list(growth.sizes)[-1]
-    return said(
-        "title",
-        growth=growth,
+    told, table = figure(
+        PAGE,
+        "growth",
         name=name,
-        size=growth.printed(growth.sizes[name][-1]),
-        end=growth.curve.times[-1],
+        growth=growth,
+        curve=curve,
+        scale=growth.unit[1],
+        rows=[
+            (time, [sizes[k] for sizes in growth.sizes.values()], growth.shares[:, k])
+            for k, time in enumerate(times_apart(curve.times))
+        ],
         source=growth.names[top],
         share=growth.shares[top, -1],
+        limits=own,
+    )
+    more = [said("limit_said", row=row) for row in own]
+    return Plot(
+        name=name,
+        said=told,
+        table=table,
+        draw=lambda: _draw(growth, own, told),
+        tips=column_tips(table),
+        alt=alternative_of_curves(told.title, table, more),
     )
 
 
-def _tips(growth: ErrorGrowth) -> dict[str, str]:
-    """Say where each line begins and ends, and of each area its shares."""
-    lines = {
-        f"line-{name.lower()}": said(
-            "line_tip",
-            name=name,
-            low=growth.printed(sizes[0]),
-            high=growth.printed(sizes[-1]),
+def _draw(
+    growth: ErrorGrowth, limits: Sequence[OutputAssessment], told: SimpleNamespace
+) -> Figure:
+    """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
+    drawing = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
+    x, every = np.array(growth.curve.times), growth.sizes.values()
+    is_even = bool(growth.curve.measured)
+    largest = max(
+        [*(float(one.max()) for one in every), *(one.limit for one in limits)]
+    )
+    least = min(float(one.min()) for one in every)
+    low, high = max(least / 2.0, largest / REACH), 2.0 * largest
+    times = Scale(
+        low=x[0],
+        high=x[-1],
+        kind="linear" if is_even else "log",
+        ticks=time_ticks(x[0], x[-1], is_even=is_even),
+        label=told.time_axis,
+    )
+    unnamed = replace(
+        times, ticks=tuple((at, "") for at, _ in times.ticks or ()), label=""
+    )
+    sizes = Scale(
+        low=low,
+        high=high,
+        kind="log",
+        ticks=size_ticks(low, high, growth.error[0]),
+        label=told.error_axis,
+    )
+    shares = Scale(low=0.0, high=100.0, label=told.share_axis)
+    around = {"left": LEFT, "right": RIGHT}
+    axes = add_plane(drawing, unnamed, sizes, top=ABOVE, height=ERRORS, **around)
+    _draw_errors(axes, growth, limits)
+    top = ABOVE + ERRORS + BETWEEN
+    axes = add_plane(drawing, times, shares, top=top, height=STRIP, **around)
+    _draw_shares(axes, growth)
+    return drawing
+
+
+def _draw_errors(
+    axes: Axes, growth: ErrorGrowth, limits: Sequence[OutputAssessment]
+) -> None:
+    """Draw how large the error is, and what it may be when."""
+    x = np.array(growth.curve.times)
+    aided: dict[str, Any] = {"color": GRID, "alpha": AIDED, "linewidth": 0.0}
+    for begin, end in growth.curve.measured:
+        if end > x[0]:
+            axes.axvspan(max(begin, x[0]), end, zorder=0.0, **aided)
+    for k, sizes in enumerate(growth.sizes.values(), start=1):
+        width = 1.8 if k == 1 else 1.0
+        axes.plot(x, sizes, color=INK, linewidth=width, gid=f"curve-{k}")
+    for row in limits:
+        at = (row.output.name.time or 0.0, row.limit)
+        axes.plot(
+            *at,
+            marker="D",
+            color=PAPER,
+            markeredgecolor=INK,
+            markersize=5.5,
+            clip_on=False,
+            zorder=4.0,
         )
-        for name, sizes in growth.sizes.items()
-    }
-    areas = {
-        f"area-{k}": said("area_tip", name=name, shares=shares)
-        for k, (name, shares) in enumerate(
-            zip(growth.names, growth.shares, strict=True)
+        is_early = at[0] < sum(axes.get_xlim()) / 2.0
+        shift, side = (8.0, "left") if is_early else (-8.0, "right")
+        on_paper(axes, row.printed_limit, at, (shift, 0.0), ha=side)
+    name_lines(axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()])
+
+
+def _draw_shares(axes: Axes, growth: ErrorGrowth) -> None:
+    """Draw areas one upon the other, the largest source at the bottom."""
+    x = np.array(growth.curve.times)
+    for time in {time for span in growth.curve.measured for time in span}:
+        if x[0] < time < x[-1]:
+            axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
+    edges = np.cumsum(100.0 * np.maximum(growth.shares, 0.0), axis=0)
+    ends = np.vstack([np.zeros(x.size), edges])
+    names: list[tuple[float, str]] = []
+    for k, name in enumerate(growth.names):
+        source = growth.sources[k] if k < len(growth.sources) else OTHER
+        colour, hatch, _ = look_of(source)
+        axes.fill_between(
+            x,
+            *ends[k : k + 2],
+            facecolor=colour,
+            edgecolor=PAPER,
+            linewidth=0.8,
+            hatch=hatch or (HATCH if source.owner == ACCELEROMETER else ""),
+            gid=f"curve-{1 + len(growth.sizes) + k}",
         )
-        if shares.any()
-    }
-    return lines | areas
+        shares, middle = ends[k + 1] - ends[k], (ends[k + 1] + ends[k]) / 2.0
+        peak = int(np.argmax(shares))
+        if shares[-1] >= 100.0 * LEAST:
+            names.append((float(middle[-1]), name))
+        elif shares[peak] >= 100.0 * AREA:
+            inner = max(peak, x.size // 8)
+            at = (float(x[inner]), float(middle[inner]))
+            width = WIDTH - LEFT - RIGHT
+            across = (axes.transData + axes.transAxes.inverted()).transform(at)[0]
+            room = width * (1.0 - float(across)) - text_width(name) - AIR
+            on_paper(axes, name, at, (min(room, 0.0), 0.0))
+    name_lines(axes, names)
+
+
+AIR = 4.0  # between a name and the edge [pt]
+
+
+def time_ticks(
+    low: float, high: float, *, is_even: bool
+) -> tuple[tuple[float, str], ...]:
+    """Tick an axis of times at round ones."""
+    if is_even:
+        step = next((t for t in TICKS if MOST_TICKS * t >= high - low), TICKS[-1])
+        ticks = (step * np.arange(ceil(low / step), floor(high / step) + 1.0)).tolist()
+        return tuple((time, time_text(time)) for time in ticks)
+    ticks = []
+    for time in reversed([t for t in TICKS if low <= t <= high]):
+        if not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low):
+            ticks.append(time)
+    return tuple((time, time_text(time)) for time in ticks)
+
+
+def size_ticks(low: float, high: float, quantity: str) -> tuple[tuple[float, str], ...]:
+    """Tick a logarithmic axis at powers of ten, in units that one reads."""
+    units = DECADES[quantity]
+    base = units[-1][1] if quantity == "attitude" else 1.0
+    powers = range(ceil(log10(low / base)), floor(log10(high / base)) + 1)
+    sizes = [base * 10.0**power for power in powers[:: ceil(len(powers) / MOST_POWERS)]]
+    return tuple((size, _decade(size, units)) for size in sizes)
+
+
+MOST_POWERS = 7  # on an axis
 
 
 def times_apart(times: Sequence[float]) -> list[str]:
@@ -256,169 +344,6 @@ def _around(time: float, digits: int) -> str:
         (unit, size) for unit, size, _ in SPANS if time >= size or size == 1.0
     )
     return f"{float(f'{time / size:.{digits}g}'):.10g} {unit}"
-
-
-def _limits_on(
-    growth: ErrorGrowth, limits: Sequence[OutputAssessment]
-) -> list[OutputAssessment]:
-    """Return the limits on this error."""
-    return [
-        row
-        for row in limits
-        if (row.output.name.quantity, row.output.name.axis) == growth.error
-        and row.output.name.owner == MISSION
-    ]
-
-
-@house_style()
-def draw_growth(growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()) -> Figure:
-    """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
-    figure = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
-    figure.set_label(growth_title(growth))
-    width = WIDTH - LEFT - RIGHT
-    top = ABOVE
-    for height, draw_on, label in (
-        (
-            ERRORS,
-            partial(_draw_errors, limits=_limits_on(growth, limits)),
-            "error_axis",
-        ),
-        (STRIP, _draw_shares, "share_axis"),
-    ):
-        axes = add_panel(figure, left=LEFT, top=top, width=width, height=height)
-        axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
-        axes.grid(color=GRID, linewidth=0.6)
-        axes.set_ylabel(said(label), fontsize=SMALL, color=MUTED)
-        _across(axes, growth.curve)
-        draw_on(axes, growth)
-        _time_ticks(axes)
-        top += height + BETWEEN
-    figure.axes[0].tick_params(labelbottom=False)
-    how = "even" if growth.curve.measured else "log"
-    axes.set_xlabel(said("time_axis", how=how), fontsize=SMALL, color=MUTED)
-    return figure
-
-
-def _draw_errors(
-    axes: Axes, growth: ErrorGrowth, *, limits: Sequence[OutputAssessment]
-) -> None:
-    """Draw how large the error is, and what it may be when."""
-    x = np.array(growth.curve.times)
-    every = growth.sizes.values()
-    largest = max([float(one.max()) for one in every] + [row.limit for row in limits])
-    least = min(float(one.min()) for one in every)
-    for begin, end in growth.curve.measured:
-        if end > x[0]:
-            axes.axvspan(
-                max(begin, x[0]),
-                end,
-                color=GRID,
-                alpha=AIDED,
-                linewidth=0.0,
-                zorder=0.0,
-            )
-    axes.set_yscale("log")
-    axes.set_ylim(max(least / 2.0, largest / REACH), 2.0 * largest)
-    for width, (name, sizes) in zip((1.8, 1.0), growth.sizes.items(), strict=False):
-        axes.plot(x, sizes, color=INK, linewidth=width, gid=f"line-{name.lower()}")
-    for row in limits:
-        at = (row.output.name.time or 0.0, row.limit)
-        axes.plot(
-            *at,
-            marker="D",
-            color=PAPER,
-            markeredgecolor=INK,
-            markersize=5.5,
-            clip_on=False,
-            zorder=4.0,
-        )
-        is_early = at[0] < sum(axes.get_xlim()) / 2.0
-        ends = (8.0, "left") if is_early else (-8.0, "right")
-        on_paper(axes, row.printed_limit, at, (ends[0], 0.0), ha=ends[1])
-    name_lines(axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()])
-    _size_ticks(axes, growth.error[0])
-
-
-def _draw_shares(axes: Axes, growth: ErrorGrowth) -> None:
-    """Draw areas one upon the other, the largest source at the bottom."""
-    x = np.array(growth.curve.times)
-    for time in {time for span in growth.curve.measured for time in span}:
-        if x[0] < time < x[-1]:
-            axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
-    axes.set_ylim(0.0, 100.0)
-    below = np.zeros(x.size)
-    names: list[tuple[float, str]] = []
-    for k, name in enumerate(growth.names):
-        shares = 100.0 * np.maximum(growth.shares[k], 0.0)
-        source = growth.sources[k] if k < len(growth.sources) else OTHER
-        colour, hatch, _ = look_of(source)
-        axes.fill_between(
-            x,
-            below,
-            below + shares,
-            facecolor=colour,
-            edgecolor=PAPER,
-            linewidth=0.8,
-            hatch=hatch or (HATCH if source.owner == ACCELEROMETER else ""),
-            gid=f"area-{k}",
-        )
-        peak = int(np.argmax(shares))
-        if shares[-1] >= 100.0 * LEAST:
-            names.append((float(below[-1] + shares[-1] / 2.0), name))
-        elif shares[peak] >= 100.0 * AREA:
-            inner = max(peak, x.size // 8)
-            place, middle = float(x[inner]), float((below + shares / 2.0)[inner])
-            room = WIDTH - LEFT - RIGHT - text_width(name) - AIR
-            at = (WIDTH - LEFT - RIGHT) * _across_part(axes, place)
-            on_paper(axes, name, (place, middle), (min(room - at, 0.0), 0.0))
-        below = below + shares
-    name_lines(axes, names)
-
-
-AIR = 4.0  # between a name and the edge [pt]
-
-
-def _across_part(axes: Axes, time: float) -> float:
-    """Return how far across the axes a time is [1]."""
-    to_axes = axes.transData + axes.transAxes.inverted()
-    return float(to_axes.transform((time, 0.0))[0])
-
-
-def _across(axes: Axes, curve: Curve) -> None:
-    """Set up the axis of times: logarithmic, and even where aids end on the way."""
-    axes.set_xscale("linear" if curve.measured else "log")
-    axes.set_xlim(curve.times[0], curve.times[-1])
-
-
-def _time_ticks(axes: Axes) -> None:
-    """Tick an axis of times at round ones."""
-    low, high = axes.get_xlim()
-    if axes.get_xscale() == "linear":
-        step = next((t for t in TICKS if MOST_TICKS * t >= high - low), TICKS[-1])
-        times = step * np.arange(ceil(low / step), floor(high / step) + 1.0)
-        axes.set_xticks(times, list(map(time_text, times.tolist())))
-        return
-    ticks: list[float] = []
-    for time in reversed([t for t in TICKS if low <= t <= high]):
-        if not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low):
-            ticks.append(time)
-    axes.set_xticks(ticks, list(map(time_text, ticks)))
-    axes.minorticks_off()
-
-
-def _size_ticks(axes: Axes, quantity: str) -> None:
-    """Tick a logarithmic axis at powers of ten, in units that one reads."""
-    low, high = axes.get_ylim()
-    units = DECADES[quantity]
-    base = units[-1][1] if quantity == "attitude" else 1.0
-    powers = range(ceil(log10(low / base)), floor(log10(high / base)) + 1)
-    step = ceil(len(powers) / MOST_POWERS)
-    sizes = [base * 10.0**power for power in powers[::step]]
-    axes.set_yticks(sizes, [_decade(size, units) for size in sizes])
-    axes.minorticks_off()
-
-
-MOST_POWERS = 7  # on an axis
 
 
 def _decade(size: float, units: Sequence[Unit]) -> str:

@@ -1,14 +1,14 @@
-"""Named rows with marks: the one drawing of every figure that is a list of rows.
+"""Charts of named rows: bars, lines and signs on a scale, drawn from a table.
 
-A figure says what each row is called, what is drawn on it, what is written beside it
-and what is said of it. Drawing, tooltips and alternative text are made of that here.
+Names of rows, texts beside them, tooltips and alternative text are those of the table.
 Heights are in points.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,21 +20,26 @@ from budget.report.figures.style import (
     SMALL,
     TEXT,
     WIDTH,
+    Scale,
     add_panel,
     as_picture,
     blank,
     fits,
     house_style,
-    log_ticks,
+    in_points,
+    set_scale,
     shorten,
     text_width,
     without_name,
     write,
     write_on,
 )
-from budget.report.pages import line
+from budget.report.figures.tabled import alternative, entries, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from types import SimpleNamespace
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -48,23 +53,25 @@ BETWEEN = 12.0  # sides [pt]
 LEAST_NAMES = 24.0  # room for names on the left, also where they are 'x' [pt]
 LEAST_PANEL = 36.0  # between names and numbers [pt]
 MOST_BESIDE = 0.72  # part of the width that names and numbers may take together [1]
-TICK_ROOM, DECADE_ROOM = 30.0, 24.0  # of a number, of a power of ten on an axis [pt]
 LAST_TICK = 9.0  # air beside a panel without texts, for half a number [pt]
+BOLD = 1.12  # width of bold texts over that of others [1]
+HUNDRED = tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100))  # ticks of per cent
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bar:
-    """From one value to another; hollow where `colour` is 'none'.
+class ChartMark:
+    """A bar or a line from one value to another, or a sign at one.
 
     `height` and `lift`, the distance below the middle of the row, are in points. A
-    frame is drawn over it in ink. `text` stands in its middle where it fits.
+    frame is drawn over a bar in ink. `text` stands in its middle where it fits.
     """
 
+    shape: str  # 'bar', '-', or a sign: 'o', '<', '>', 'D'
     start: float
-    end: float
-    colour: str = MUTED
+    end: float = 0.0  # of a bar or a line
+    colour: str = MUTED  # 'none' of a hollow one
     edge: str = PAPER
-    edge_width: float = 0.6  # [pt]
+    width: float = 0.6  # of the edge, of a line, of a sign [pt]
     opacity: float = 1.0
     hatch: str = ""
     height: float = 9.0
@@ -76,84 +83,36 @@ class Bar:
     tip: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stroke:
-    """A thin line from one value to another."""
-
-    start: float
-    end: float
-    colour: str = MUTED
-    width: float = 0.7  # [pt]
-    lift: float = 0.0
-    tip: str = ""
+Bar = partial(ChartMark, shape="bar")
+Stroke = partial(ChartMark, shape="-", width=0.7)
+Dot = partial(ChartMark, shape="o", colour=INK, edge=INK, width=5.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dot:
-    """A mark at a value: 'o', '<', '>', 'D', '|'."""
-
-    at: float
-    shape: str = "o"
-    fill: str = INK
-    edge: str = INK
-    size: float = 5.0  # [pt]
-    lift: float = 0.0
-    tip: str = ""
-
-
-Mark = Bar | Stroke | Dot
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
+class ChartRow:
     """One row of a figure."""
 
     label: str  # its name on the left
-    marks: tuple[Mark, ...]
+    marks: tuple[ChartMark, ...]
     beside: tuple[str, ...] = ()  # what stands on the right, a text a column
     strong: bool = False  # whether that is bold
-    said: str = ""  # the row in words with its numbers; '' where nothing is said of it
 
 
 @dataclass(frozen=True, kw_only=True)
-class Group:
-    """Rows under a title, '' for none; `said` is that title in words."""
+class ChartGroup:
+    """Rows under a title, '' for none."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ChartRow, ...]
     title: str = ""
-    said: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scale:
-    """The axis that rows share."""
-
-    # Its ends.
-    low: float
-    high: float
-    kind: str = "linear"  # 'linear', 'log', or 'symlog' (linear between -1 and 1)
-    # Where its numbers stand, and as what; None for round ones.
-    ticks: tuple[tuple[float, str], ...] | None = None
-    # Lines across all rows, a limit or a zero, with a word above; '' for none.
-    lines: tuple[tuple[float, str], ...] = ()
-    band: tuple[float, float] | None = None  # what is shaded behind the rows
-    label: str = ""  # quantity and unit
-
-
-@dataclass(frozen=True, kw_only=True)
-class Panel:
-    """Groups of rows on one scale."""
+class ChartPanel:
+    """Groups of rows on one scale; those of one side stand below one another."""
 
     scale: Scale
-    groups: tuple[Group, ...]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Side:
-    """Panels one below the other under a title: the outputs of one sensor."""
-
-    panels: tuple[Panel, ...]
-    title: str = ""
+    groups: tuple[ChartGroup, ...]
+    side: str = ""  # its title, of several beside each other
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,10 +132,12 @@ class Chart:
 
     name: str  # as in `Picture`; so are `title` (the finding) and `caption`
     title: str
-    sides: tuple[Side, ...]  # beside each other
-    lead: str = ""  # what the numbers are, before those of the rows are said
-    after: str = ""  # what is said after them, a sentence or none
+    panels: tuple[ChartPanel, ...]
+    table: Table | None = None  # what it is drawn from
+    has_data: bool = True  # whether that is shown: not where one beside it has the same
+    numbers: Table | None = None  # what is shown in its place
     caption: str = ""
+    after: str = ""  # a sentence that ends the caption
     heads: tuple[Head, ...] = ()  # words above the first panel
     # Heads of the columns of texts on the right; '' for none.
     beside: tuple[str, ...] = ()
@@ -186,22 +147,32 @@ class Chart:
     foot: str = ""  # what the axes are of, where there are several
     # Colour, hatch and name of what no text names in the figure.
     legend: tuple[tuple[str, str, str], ...] = ()
-    # The numbers behind the figure; None where a table beside it has them.
-    data: Table | None = None
-    data_on_paper: bool = True  # as in `Picture`
+    data_on_paper: bool = False  # as in `Picture`
     width: float = WIDTH  # that of a column or of the page [pt]
     # What a telephone has of a wide one; None for the same, drawn narrower.
     narrow: Chart | None = None
 
     @property
-    def groups(self) -> tuple[Group, ...]:
+    def groups(self) -> tuple[ChartGroup, ...]:
         """All groups, in the order that they are drawn in."""
-        return tuple(g for side in self.sides for p in side.panels for g in p.groups)
+        return tuple(group for panel in self.panels for group in panel.groups)
+
+    @property
+    def sides(self) -> list[list[ChartPanel]]:
+        """The panels of each side."""
+        titles = dict.fromkeys(panel.side for panel in self.panels)
+        return [[one for one in self.panels if one.side == side] for side in titles]
 
     @property
     def alt(self) -> str:
         """The finding and all numbers, for those who cannot see them."""
-        return line("figures_rows", "alt", chart=self)
+        return alternative(self.title, self.table)
+
+    @property
+    def data(self) -> Table | None:
+        """The numbers behind the figure."""
+        own = shown(self.table) if self.table and self.has_data else None
+        return self.numbers or own
 
     @property
     def tips(self) -> dict[str, str]:
@@ -215,6 +186,49 @@ class Chart:
         }
 
 
+def rows_of(
+    table: Table,
+    draw: Callable[..., Iterable[ChartMark]],
+    *records: Iterable[Any],
+    by: Callable[..., Any] | None = None,
+) -> tuple[ChartGroup, ...]:
+    """Return the rows of a table with the marks that `draw` makes of each entry.
+
+    And of the record of the row, where there are such; `by` sorts them in a group.
+    """
+    left = zip(*map(iter, records), strict=False)
+    groups = []
+    for title, own in entries(table):
+        pairs = [(one, *(next(left) if records else ())) for one in own]
+        rows = tuple(
+            ChartRow(
+                label=pair[0].label,
+                marks=tuple(draw(*pair)),
+                beside=pair[0].beside,
+                strong=pair[0].strong,
+            )
+            for pair in (sorted(pairs, key=lambda pair: by(*pair)) if by else pairs)
+        )
+        groups.append(ChartGroup(title=title, rows=rows))
+    return tuple(groups)
+
+
+def cells(
+    entry: SimpleNamespace, look: Callable[[SimpleNamespace], dict[str, Any] | None]
+) -> Iterator[ChartMark]:
+    """Yield the cells of a row of a map, as they look; none where that is None."""
+    for one in entry.cells:
+        if (own := look(one)) is not None:
+            yield Bar(
+                **{"edge": "none", "text": one.text, "tip": one.tip, "height": 14.0}
+                | {"start": one.at + CELL_EDGE, "end": one.at + 1.0 - CELL_EDGE}
+                | own
+            )
+
+
+CELL_EDGE = 0.02  # of a cell of a map, over its width [1]
+
+
 @house_style()
 def chart_picture(chart: Chart) -> Picture:
     """Draw a figure of rows into a block."""
@@ -224,7 +238,7 @@ def chart_picture(chart: Chart) -> Picture:
         title=chart.title,
         alt=chart.alt,
         tips=chart.tips,
-        caption=chart.caption,
+        caption=f"{chart.caption} {chart.after}".strip(),
         data=chart.data,
         narrow=draw(chart.narrow or replace(chart, width=WIDTH))
         if chart.width > WIDTH
@@ -236,13 +250,11 @@ def chart_picture(chart: Chart) -> Picture:
 @house_style()
 def draw(chart: Chart) -> Figure:
     """Draw a figure of rows; what stands beside them has the room that it needs."""
-    number = len(chart.sides)
-    width = (chart.width - BETWEEN * (number - 1)) / number
+    sides = chart.sides
+    width = (chart.width - BETWEEN * (len(sides) - 1)) / len(sides)
     room = _room(chart, width)
     above = _above(chart)
-    below = max(
-        sum(_height(chart, panel) for panel in side.panels) for side in chart.sides
-    )
+    below = max(sum(_height(chart, panel) for panel in side) for side in sides)
     abreast = _abreast(chart, room.left)
     legend = LINE * -(-len(chart.legend) // abreast)
     foot = LINE + EDGE if chart.foot else EDGE
@@ -250,12 +262,11 @@ def draw(chart: Chart) -> Figure:
     figure = blank(height, width=chart.width)
     figure.set_label(chart.title)
     place = 0
-    for k, side in enumerate(chart.sides):
+    for k, side in enumerate(sides):
         start = k * (width + BETWEEN)
-        if side.title:
-            write_on(figure, start + EDGE, 10.0, side.title, size=TEXT, weight="bold")
+        write_on(figure, start + EDGE, 10.0, side[0].side, size=TEXT, weight="bold")
         top = above
-        for panel in side.panels:
+        for panel in side:
             axes = add_panel(
                 figure,
                 left=start + room.left,
@@ -291,13 +302,13 @@ def _room(chart: Chart, width: float) -> _Room:
     """Return the room that names and texts beside the rows need."""
     rows = [row for group in chart.groups for row in group.rows]
     left = max(LEAST_NAMES, *(text_width(row.label, TEXT) + 12.0 for row in rows))
-    heads = Row(label="", marks=(), beside=chart.beside)
+    heads = ChartRow(label="", marks=(), beside=chart.beside)
     columns = [
         max(_beside_width(row, k) for row in (*rows, heads))
         for k in range(max(len(row.beside) for row in rows))
     ]
     spare = MOST_BESIDE * width - left
-    labels = any(p.scale.label for side in chart.sides for p in side.panels)
+    labels = any(panel.scale.label for panel in chart.panels)
     if chart.flush == "right" and not labels:  # numbers are whole or wrong
         spare = max(spare, width - left - LEAST_PANEL)
     if sum(columns) > spare:  # the last column is cut
@@ -305,26 +316,21 @@ def _room(chart: Chart, width: float) -> _Room:
     return _Room(left=left, beside=columns)
 
 
-def _beside_width(row: Row, column: int) -> float:
+def _beside_width(row: ChartRow, column: int) -> float:
     """Return the room that one text beside a row needs [pt]."""
     text = row.beside[column] if column < len(row.beside) else ""
-    return (1.12 if row.strong else 1.0) * text_width(text) + 8.0 if text else 0.0
+    return (BOLD if row.strong else 1.0) * text_width(text) + 8.0 if text else 0.0
 
 
 def _above(chart: Chart) -> float:
     """Return the room above the first panel [pt]."""
-    lines = any(
-        text
-        for side in chart.sides
-        for panel in side.panels
-        for _, text in panel.scale.lines
-    )
+    lines = any(text for panel in chart.panels for _, text in panel.scale.lines)
     levels = max((1 + head.level for head in chart.heads), default=0)
-    titles = LINE + EDGE if any(side.title for side in chart.sides) else EDGE
+    titles = LINE + EDGE if any(panel.side for panel in chart.panels) else EDGE
     return titles + LINE * max(levels, int(lines or any(chart.beside)))
 
 
-def _rows_height(chart: Chart, panel: Panel) -> float:
+def _rows_height(chart: Chart, panel: ChartPanel) -> float:
     """Return the height of the rows of a panel and their titles [pt]."""
     return sum(
         (HEAD if group.title else 0.0) + chart.pitch * len(group.rows)
@@ -332,7 +338,7 @@ def _rows_height(chart: Chart, panel: Panel) -> float:
     )
 
 
-def _height(chart: Chart, panel: Panel) -> float:
+def _height(chart: Chart, panel: ChartPanel) -> float:
     """Return the height of a panel with its axis [pt]."""
     ticks = TICKS if panel.scale.ticks != () else 0.0
     label = LABEL if panel.scale.label else 0.0
@@ -340,15 +346,14 @@ def _height(chart: Chart, panel: Panel) -> float:
 
 
 def _draw_panel(
-    axes: Axes, chart: Chart, panel: Panel, room: _Room, place: int
+    axes: Axes, chart: Chart, panel: ChartPanel, room: _Room, place: int
 ) -> None:
     """Draw the groups of one panel; `place` is that of the first in the figure."""
     from matplotlib.collections import LineCollection
     from matplotlib.ticker import FixedFormatter, FixedLocator
 
-    _set_scale(axes, panel.scale)
+    set_scale(axes, "x", panel.scale, by_room=True)
     axes.set_ylim(_rows_height(chart, panel), 0.0)
-    first = chart.sides[0].panels[0]
     ticks: list[tuple[float, str]] = []
     top = 0.0
     for g, group in enumerate(panel.groups, start=place):
@@ -376,51 +381,21 @@ def _draw_panel(
     for x, text in panel.scale.lines:
         axes.axvline(x, color=INK if text else MUTED, linewidth=1.0 if text else 0.7)
         _write_above(axes, Head(at=x, text=text))
-    if panel is first:
+    if panel is chart.panels[0]:
         for head in chart.heads:
             _write_above(axes, head)
-        heads = Row(label="", marks=(), beside=chart.beside)
+        heads = ChartRow(label="", marks=(), beside=chart.beside)
         _write_beside(axes, -LINE / 2.0, heads, room.beside, chart.flush)
 
 
-def _set_scale(axes: Axes, scale: Scale) -> None:
-    """Set ends, kind, numbers and name of an axis."""
-    options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
-    if scale.kind != "linear":  # as it is
-        axes.set_xscale(scale.kind, **options)
-    axes.set_xlim(scale.low, scale.high)
-    if scale.ticks is not None:
-        axes.set_xticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
-    else:
-        width = _points(axes, axes.bbox.width)
-        if scale.kind == "linear":
-            number = max(2, int(width / TICK_ROOM))
-            axes.locator_params(axis="x", nbins=number, steps=[1, 2, 5, 10])
-        elif scale.kind == "log":
-            log_ticks(axes.xaxis, max(2, int(width / DECADE_ROOM)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        low, high = sorted((scale.low, scale.high))
-        axes.set_xticks([x for x in axes.get_xticks() if low <= x <= high])
-    axes.minorticks_off()
-    if scale.label:
-        axes.set_xlabel(scale.label, fontsize=SMALL, color=MUTED)
-    else:
-        without_name(axes.xaxis)
-
-
-def _points(axes: Axes, pixels: float) -> float:
-    """Return a length on the figure [pt]."""
-    return 72.0 * pixels / axes.figure.dpi
-
-
-def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
+def _draw_mark(axes: Axes, middle: float, mark: ChartMark, gid: str | None) -> None:
     """Draw one mark on the line of its row."""
     from matplotlib.lines import Line2D
 
     y = middle + mark.lift
     # The ends of the axes are set: artists are put on them, which `plot` and `barh`
     # measure first, for axes that fit themselves to what is drawn.
-    if isinstance(mark, Stroke):
+    if mark.shape == "-":
         axes.add_artist(
             Line2D(
                 [mark.start, mark.end],
@@ -431,14 +406,14 @@ def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
                 gid=gid,
             )
         )
-    elif isinstance(mark, Dot):
+    elif mark.shape != "bar":
         axes.add_artist(
             Line2D(
-                [mark.at],
+                [mark.start],
                 [y],
                 marker=mark.shape,
-                markersize=mark.size,
-                color=mark.fill,
+                markersize=mark.width,
+                color=mark.colour,
                 markeredgecolor=mark.edge,
                 markeredgewidth=0.9,
                 linestyle="none",
@@ -451,7 +426,7 @@ def _draw_mark(axes: Axes, middle: float, mark: Mark, gid: str | None) -> None:
         _draw_bar(axes, y, mark, gid)
 
 
-def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
+def _draw_bar(axes: Axes, y: float, bar: ChartMark, gid: str | None) -> None:
     """Draw a bar, its frame and its text."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Rectangle
@@ -464,7 +439,7 @@ def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
             bar.height,
             facecolor=to_rgba(bar.colour, None if bar.opacity == 1.0 else bar.opacity),
             edgecolor=bar.edge,
-            linewidth=bar.edge_width,
+            linewidth=bar.width,
             # As `barh` hands it on: the id of a hatch is made of its repr.
             hatch=np.str_(bar.hatch) if bar.hatch else None,
             gid=gid,
@@ -483,7 +458,7 @@ def _draw_bar(axes: Axes, y: float, bar: Bar, gid: str | None) -> None:
             )
         )
     start, end = axes.transData.transform([(low, y), (high, y)])[:, 0]
-    if bar.text and fits(bar.text, _points(axes, end - start)):
+    if bar.text and fits(bar.text, in_points(axes, end - start)):
         write(
             axes,
             bar.text,
@@ -525,14 +500,14 @@ def _write_above(axes: Axes, head: Head) -> None:
 
 
 def _write_beside(
-    axes: Axes, middle: float, row: Row, columns: list[float], flush: str
+    axes: Axes, middle: float, row: ChartRow, columns: list[float], flush: str
 ) -> None:
     """Write the texts of a row on its right, each in its column."""
     start = 0.0
     for text, width in zip(row.beside, columns, strict=False):
         write(
             axes,
-            shorten(text, (width - 7.0) / (1.12 if row.strong else 1.0)),
+            shorten(text, (width - 7.0) / (BOLD if row.strong else 1.0)),
             (1.0, middle),
             (start + (width if flush == "right" else 6.0), 0.0),
             coords=("axes fraction", "data"),

@@ -3,24 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
+from itertools import accumulate
 from math import fsum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from budget.language import key_title, words
+from budget.language import key_title
 from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
 from budget.names import IMU, LENGTHS
 from budget.report.figures.rows import (
+    HUNDRED,
     Bar,
     Chart,
+    ChartGroup,
+    ChartPanel,
+    ChartRow,
     Dot,
-    Group,
     Head,
-    Panel,
-    Row,
-    Scale,
-    Side,
     Stroke,
+    cells,
+    rows_of,
 )
 from budget.report.figures.style import (
     BLUE,
@@ -31,12 +34,14 @@ from budget.report.figures.style import (
     PAPER,
     WIDE,
     WIDTH,
+    Scale,
     fits,
     in_order,
     look_of,
     looks,
 )
-from budget.report.pages import line, table, texts
+from budget.report.figures.tabled import CELL, entries, heads_of
+from budget.report.pages import figure
 from budget.report.tables import (
     ALL,
     SMALL_SHARE,
@@ -51,13 +56,16 @@ from budget.results import widest_of_each
 from budget.ties import largest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
+    from types import SimpleNamespace
 
     from budget.names import Name
-    from budget.report.figures.rows import Mark
+    from budget.report.figures.rows import ChartMark
     from budget.report.tables import GroupTable
     from budget.results import Budget, OutputBudget, SobolIndex
-    from budget.studies.coupling import Coupling, CouplingTable
+    from budget.studies.coupling import CouplingTable
+
+    Part = tuple[Name, float]  # a source, and its share of a variance
 
 PAGE = "figures_sources"
 SPAN = WIDTH - 36.0  # of the whole variance at least [pt]
@@ -70,57 +78,138 @@ def share_chart(group: GroupTable) -> Chart:
 
     The table of the budget has the numbers.
     """
-    said = texts(PAGE, "shares", group=group)
-    bars = [_segments(group, place) for place in range(len(group.rows))]
-    starts = [fsum(share for _, share in bars[0][:k]) for k in range(len(bars[0]))]
+    bars = [
+        (
+            row.axis,
+            gathered({one.source: one.cells[k].share.exact for one in group.sources}),
+        )
+        for k, row in enumerate(group.rows)
+    ]
+    title = partial(source_title, of=group.sensor)
+    first = bars[0][1]
+    starts = accumulate((share for _, share in first), initial=0.0)
     heads = {
-        source: Head(
-            at=100.0 * start,
-            text=source_title(source, of=group.sensor),
-            is_centred=False,
-        )
-        for start, (source, share) in zip(starts, bars[0], strict=True)
-        if source != OTHER and fits(source_title(source, of=group.sensor), share * SPAN)
+        source: Head(at=100.0 * start, text=title(source), is_centred=False)
+        for start, (source, share) in zip(starts, first, strict=False)
+        if source != OTHER and fits(title(source), share * SPAN)
     }
-    seen = dict.fromkeys(
-        name for bar in bars for name, share in bar if share >= VISIBLE
-    )
-    scale = Scale(
-        low=0.0,
-        high=100.0,
-        ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label=said.label,
-    )
-    rows = tuple(
-        Row(
-            label=row.axis,
-            marks=tuple(_segment_bars(group, place, bar)),
-            beside=() if bar else (said.no_spread,),
-            said=line(PAGE, "shares_row", axis=row.axis, bar=bar, sensor=group.sensor),
-        )
-        for place, (row, bar) in enumerate(zip(group.rows, bars, strict=True))
-    )
-    return Chart(
+    return _stacked(
+        "shares",
+        bars,
+        title,
         name=f"shares-{group.sensor}-{group.parameter}",
-        title=said.title,
-        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
-        lead=said.lead,
-        heads=tuple(heads.values()),
+        heads=heads,
+        label=lambda _, share: print_share(share),
+        is_both=group.sensor == IMU,
+        view={
+            "group": group,
+            "alone": [
+                {one.source: one.cells[k].u.text for one in group.sources}
+                for k in range(len(group.rows))
+            ],
+        },
+        has_data=False,
         pitch=21.0,
-        legend=tuple(
-            (
-                *_segment_look(name, group)[:2],
-                said.other if name == OTHER else source_title(name, of=group.sensor),
-            )
-            for name in in_order(seen)
-            if name not in heads
-        ),
     )
 
 
-def _segments(group: GroupTable, place: int) -> list[tuple[Name, float]]:
-    """Return (source, share) of one bar in fixed order, small ones gathered."""
-    return gathered({row.source: row.cells[place].share.exact for row in group.sources})
+FEWEST, MOST_BARS = 2, 12  # bars: one says nothing that a sentence does not
+
+
+def group_shares_chart(budget: Budget) -> Chart | None:
+    """Show what the variance of each group of outputs is made of, a stacked bar each.
+
+    Of a group the shares are those of the sum of its variances; of a mission each
+    output has its bar, accelerometers hatched. None of one bar, or without spread.
+    """
+    bars = _bars(budget)[:MOST_BARS]
+    if len(bars) < FEWEST:
+        return None
+    is_mission = all(row.output.name.time is not None for row in budget.outputs)
+    title = full_title if is_mission else source_title
+
+    def label(source: Name, share: float) -> str:
+        texts = () if source == OTHER else (title(source), print_share(share))
+        return next((text for text in texts if fits(text, share * GROUP_SPAN)), "")
+
+    return _stacked(
+        "group_shares",
+        bars,
+        title,
+        name="shares",
+        label=label,
+        is_both=is_mission,
+        pitch=19.0,
+        width=WIDE,
+    )
+
+
+def _stacked(
+    macro: str,
+    bars: Sequence[tuple[str, Sequence[Part]]],
+    title: Callable[[Name], str],
+    *,
+    name: str,
+    label: Callable[[Name, float], str],
+    is_both: bool,
+    heads: Mapping[Name, Head] | None = None,
+    view: Mapping[str, object] | None = None,
+    **options: Any,  # noqa: ANN401 - of a chart
+) -> Chart:
+    """Stack shares in bars: each source in its look, named as `label` says, or below.
+
+    Where a bar `is_both` triads, the second is hatched.
+    """
+    said, table = figure(PAGE, macro, bars=bars, title=title, **view or {})
+
+    def look(source: Name) -> tuple[str, str, str]:
+        colour, hatch, ink = look_of(source)
+        of_second = is_both and source.owner == ACCELEROMETER
+        return (colour, hatch or HATCH, "") if of_second else (colour, hatch, ink)
+
+    rows = []
+    for (name_of, bar), (_, own) in zip(bars, entries(table), strict=True):
+        ends = accumulate((100.0 * share for _, share in bar), initial=0.0)
+        marks = [
+            Bar(
+                start=start,
+                end=start + 100.0 * share,
+                colour=colour,
+                hatch=hatch,
+                height=15.0,
+                text=label(source, share) if ink else "",
+                text_colour=ink or INK,
+                tip=one.tip,
+            )
+            for start, (source, share), one in zip(ends, bar, own, strict=False)
+            for colour, hatch, ink in [look(source)]
+        ]
+        beside = () if bar else (said.no_spread,)
+        rows.append(ChartRow(label=name_of, marks=tuple(marks), beside=beside))
+    named = {mark.text for row in rows for mark in row.marks} | {
+        head.text for head in (heads or {}).values()
+    }
+    seen = {source for _, bar in bars for source, share in bar if share >= VISIBLE}
+    return Chart(
+        name=name,
+        title=said.title,
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=100.0, ticks=HUNDRED, label=said.label),
+                groups=(ChartGroup(rows=tuple(rows)),),
+            ),
+        ),
+        table=table,
+        heads=tuple((heads or {}).values()),
+        legend=tuple(
+            dict.fromkeys(
+                (*look(one)[:2], said.other if one == OTHER else title(one))
+                for one in in_order(seen)
+                if title(one) not in named
+            )
+        ),
+        **options,
+    )
 
 
 def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
@@ -135,100 +224,7 @@ def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
     return [*bar, (OTHER, rest)] if small or rest >= SMALL_SHARE else bar
 
 
-def _segment_look(source: Name, group: GroupTable) -> tuple[str, str, str]:
-    """Return colour, hatch, colour of text; of two triads the second is hatched."""
-    if group.sensor == IMU and source.owner == ACCELEROMETER:
-        return look_of(source)[0], HATCH, ""
-    return look_of(source)
-
-
-def _segment_bars(
-    group: GroupTable, place: int, bar: list[tuple[Name, float]]
-) -> Iterator[Bar]:
-    """Yield the segments of one stacked bar, each with its tooltip."""
-    alone = {row.source: row.cells[place].u.text for row in group.sources}
-    start = 0.0
-    for source, share in bar:
-        colour, hatch, ink = _segment_look(source, group)
-        yield Bar(
-            start=100.0 * start,
-            end=100.0 * (start + share),
-            colour=colour,
-            hatch=hatch,
-            height=15.0,
-            text=print_share(share) if ink else "",
-            text_colour=ink,
-            tip=line(
-                PAGE,
-                "share",
-                group=group,
-                axis=group.rows[place].axis,
-                source=source,
-                share=share,
-                alone=alone.get(source),
-            ),
-        )
-        start += share
-
-
-FEWEST, MOST_BARS = 2, 12  # bars: one says nothing that a sentence does not
-
-
-def group_shares_chart(budget: Budget) -> Chart | None:
-    """Show what the variance of each group of outputs is made of, a stacked bar each.
-
-    Of a group the shares are those of the sum of its variances; of a mission each
-    output has its bar, accelerometers hatched. None of one bar, or without spread.
-    """
-    every = _bars(budget)
-    bars = every[:MOST_BARS]
-    if len(bars) < FEWEST:
-        return None
-    said = texts(
-        PAGE,
-        "group_shares",
-        bars=[(name, *max(bar, key=lambda one: one[1])) for name, bar in bars],
-    )
-    seen = dict.fromkeys(
-        name for _, bar in bars for name, share in bar if share >= VISIBLE
-    )
-    is_mission = all(row.output.name.time is not None for row in budget.outputs)
-    title = full_title if is_mission else source_title
-    rows = tuple(
-        Row(
-            label=name,
-            marks=tuple(_group_bars(name, bar, title)),
-            said=line(PAGE, "group_shares_row", name=name, bar=bar),
-        )
-        for name, bar in bars
-    )
-    named = {mark.text for row in rows for mark in row.marks if isinstance(mark, Bar)}
-    scale = Scale(
-        low=0.0,
-        high=100.0,
-        ticks=tuple((float(x), str(x)) for x in (0, 25, 50, 75, 100)),
-        label=said.label,
-    )
-    return Chart(
-        name="shares",
-        title=said.title,
-        sides=(Side(panels=(Panel(scale=scale, groups=(Group(rows=rows),)),)),),
-        lead=said.lead,
-        pitch=19.0,
-        width=WIDE,
-        legend=tuple(
-            dict.fromkeys(
-                (*_look(name, title)[:2], said.other if name == OTHER else title(name))
-                for name in in_order(seen)
-                if title(name) not in named
-            )
-        ),
-        data=table(PAGE, "group_shares_data", bars=bars),
-        data_on_paper=False,
-    )
-
-
-def _bars(budget: Budget) -> list[tuple[str, list[tuple[Name, float]]]]:
+def _bars(budget: Budget) -> list[tuple[str, list[Part]]]:
     """Return the bars of groups, or of the outputs of a mission, by their names."""
     if all(row.output.name.time is not None for row in budget.outputs):
         return [
@@ -263,39 +259,6 @@ def _of_mission(budget: Budget) -> list[OutputBudget]:
     ]
 
 
-def _look(source: Name, title: Callable[[Name], str]) -> tuple[str, str, str]:
-    """Return the look of a source; of two triads in one bar the second is hatched."""
-    colour, hatch, ink = look_of(source)
-    if title is full_title and source.owner == ACCELEROMETER and not hatch:
-        return colour, HATCH, ""
-    return colour, hatch, ink
-
-
-def _group_bars(
-    name: str, bar: Sequence[tuple[Name, float]], title: Callable[[Name], str]
-) -> Iterator[Bar]:
-    """Yield the segments of one bar, named where the name fits, else with the share."""
-    start = 0.0
-    for source, share in bar:
-        colour, hatch, ink = _look(source, title)
-        room = share * GROUP_SPAN
-        label = next(
-            (text for text in (title(source), print_share(share)) if fits(text, room)),
-            "",
-        )
-        yield Bar(
-            start=100.0 * start,
-            end=100.0 * (start + share),
-            colour=colour,
-            hatch=hatch,
-            height=15.0,
-            text=label if ink and source != OTHER else "",
-            text_colour=ink or INK,
-            tip=line(PAGE, "group_share", name=name, source=source, share=share),
-        )
-        start += share
-
-
 # Opacity of the one hue by the part of u that a source makes: steps that stay apart in
 # grey. Text is light on the full hue only: it can be read on all others, light or dark.
 STEPS = (
@@ -315,78 +278,72 @@ def coupling_chart(found: CouplingTable, sensor: str) -> Chart | None:
 
     Of one sensor; None where nothing reaches anything.
     """
-    cells = [cell for cell in found.cells if cell.group.owner == sensor]
-    if not any(cell.reaches for cell in cells):
+    own = [cell for cell in found.cells if cell.group.owner == sensor]
+    if not any(cell.reaches for cell in own):
         return None
     groups = [group for group in found.groups if group.owner == sensor]
-    reaching = [s for s in found.sources if any(cell.source == s for cell in cells)]
-    own = [s for s in reaching if s.owner in SENSORS]
-    shared = [s for s in reaching if s.owner not in SENSORS]
-    parts = {
-        # The sensors' own need no head where no others stand below.
-        words(sensor) if shared else "": (in_order(own), sensor),
-        **{
-            owner: (tuple(s for s in in_order(shared) if s.owner == owner), owner)
-            for owner in dict.fromkeys(s.owner for s in shared)
-        },
-    }
-    drawn = tuple(
-        Group(
-            title=title,
-            rows=tuple(
-                _coupling_row(
-                    source,
-                    [found.cell(source, group) for group in groups],
-                    sensor,
-                    among=owner,
-                )
-                for source in members
-            ),
-        )
-        for title, (members, owner) in parts.items()
-        if members
-    )
-    foreign = [cell for cell in cells if cell.reaches and not cell.is_own]
-    said = texts(
+    reaching = [s for s in found.sources if any(one.source == s for one in own)]
+    owner_of = {s: sensor if s.owner in SENSORS else s.owner for s in reaching}
+    owners = sorted({*owner_of.values()}, key=[sensor, *owner_of.values()].index)
+    foreign = [cell for cell in own if cell.reaches and not cell.is_own]
+    said, table = figure(
         PAGE,
         "coupling",
         sensor=sensor,
         farthest=[foreign[k] for k in largest([cell.size for cell in foreign])],
         part=print_part,
+        groups=groups,
+        # The sensors' own need no head where no others stand below.
+        owners=[
+            (
+                owner if len(owners) > 1 else "",
+                owner,
+                [
+                    (s, [found.cell(s, group) for group in groups])
+                    for s in in_order(reaching)
+                    if owner_of[s] == owner
+                ],
+            )
+            for owner in owners
+        ],
     )
     return Chart(
         name=f"coupling-{sensor}",
         title=said.title,
-        sides=(
-            Side(
-                panels=(
-                    Panel(
-                        scale=Scale(low=0.0, high=float(len(groups)), ticks=()),
-                        groups=drawn,
-                    ),
-                    _hues(said.label),
-                )
+        panels=(
+            ChartPanel(
+                scale=Scale(low=0.0, high=float(len(groups)), ticks=()),
+                groups=rows_of(table, lambda at: cells(at, _reaching)),
             ),
+            _hues(said.label),
         ),
-        lead=said.lead,
-        after=said.after,
+        table=table,
         caption=said.caption,
         heads=tuple(
-            Head(at=x + 0.5, text=words(group.quantity))
-            for x, group in enumerate(groups)
+            Head(at=x + 0.5, text=text) for x, text in enumerate(heads_of(table, CELL))
         ),
         pitch=18.0,
-        data_on_paper=False,
-        data=table(
-            PAGE,
-            "coupling_data",
-            sensor=sensor,
-            sources=(*in_order(own), *in_order(shared)),
-            groups=groups,
-            table=found,
-            per_cent=_per_cent,
-        ),
     )
+
+
+def _reaching(cell: SimpleNamespace) -> dict[str, Any] | None:
+    """Return how a cell of the map looks; a frame alone where an own spread is 0."""
+    if cell.exact is None:
+        return (
+            {"colour": "none", "is_framed": True, "text": "", "tip": ""}
+            if cell.strong
+            else None
+        )
+    opacity = next(opacity for edge, opacity in STEPS if cell.exact >= 100.0 * edge)
+    return {
+        "start": cell.at + 0.015,
+        "end": cell.at + 0.985,
+        "colour": BLUE,
+        "opacity": opacity,
+        "height": 16.0,
+        "is_framed": cell.strong,
+        "text_colour": ON_DARK if opacity == 1.0 else INK,
+    }
 
 
 def print_part(size: float) -> str:
@@ -396,48 +353,10 @@ def print_part(size: float) -> str:
     return f"{_per_cent(size)} %"
 
 
-def _coupling_row(
-    source: Name, cells: list[Coupling], sensor: str, *, among: str
-) -> Row:
-    """Return the cells of one source, each with its number and its tooltip.
-
-    Its name leaves out the owner that it stands among.
-    """
-    name = source_title(source, of=among)
-    reaching = [cell for cell in cells if cell.reaches]
-    return Row(
-        label=name,
-        marks=tuple(
-            _coupling_bar(x, cell, sensor)
-            for x, cell in enumerate(cells)
-            if cell.reaches or cell.is_own
-        ),
-        said=line(PAGE, "coupling_row", name=name, cells=reaching, part=print_part),
-    )
-
-
-def _coupling_bar(x: int, cell: Coupling, sensor: str) -> Bar:
-    """Return one cell of the map; a frame alone where an own spread is 0."""
-    opacity = next(opacity for edge, opacity in STEPS if cell.size >= edge)
-    tip = line(PAGE, "coupling_cell", cell=cell, sensor=sensor, part=print_part)
-    return Bar(
-        start=x + 0.015,
-        end=x + 0.985,
-        colour=BLUE if cell.reaches else "none",
-        edge="none",
-        opacity=opacity,
-        height=16.0,
-        is_framed=cell.is_own,
-        text=print_part(cell.size) if cell.reaches else "",
-        text_colour=ON_DARK if opacity == 1.0 else INK,
-        tip=tip if cell.reaches else "",
-    )
-
-
-def _hues(label: str) -> Panel:
+def _hues(label: str) -> ChartPanel:
     """Return the steps of the hue, their edges written below."""
     rising = STEPS[::-1]
-    return Panel(
+    return ChartPanel(
         scale=Scale(
             low=0.0,
             high=float(len(STEPS)),
@@ -449,9 +368,9 @@ def _hues(label: str) -> Panel:
             label=label,
         ),
         groups=(
-            Group(
+            ChartGroup(
                 rows=(
-                    Row(
+                    ChartRow(
                         label="",
                         marks=tuple(
                             Bar(
@@ -507,36 +426,40 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     found = _widest(budget, sensor)
     if not found:
         return None
-    pairs = [(one.row, *pair) for one in found for pair in one.shown]
-    seen = [pair for pair in pairs if _can_be_seen(pair[2])]
+    seen = [
+        (one.row, *pair) for one in found for pair in one.shown if _can_be_seen(pair[1])
+    ]
     gaps = [index.total - index.first for _, _, index in seen]
-    view = {"found": found, "sensor": sensor, "first": _first, "total": _total}
-    said = texts(PAGE, "sobol", seen=[seen[k] for k in largest(gaps)], **view)
+    said, table = figure(
+        PAGE,
+        "sobol",
+        seen=[seen[k] for k in largest(gaps)],
+        found=found,
+        sensor=sensor,
+        first=_first,
+        total=_total,
+        can_be_seen=_can_be_seen,
+    )
+    sources, indices = zip(*(pair for one in found for pair in one.ranked), strict=True)
+    order = in_order(dict.fromkeys(sources))
     scale = Scale(
         low=0.0,
         high=1.0,
         ticks=tuple((float(x), x) for x in ("0", "0.25", "0.5", "0.75", "1")),
         label=said.label,
     )
-    groups = tuple(
-        Group(
-            title=f"{words(one.row.parameter)} {one.row.axis}",
-            said=key_title(one.row.output.name),
-            rows=tuple(_sobol_row(one.row, *pair, sensor) for pair in one.shown),
-        )
-        for one in found
+    drawn = rows_of(
+        table, _index_marks, sources, indices, by=lambda _, name, __: order.index(name)
     )
     return Chart(
         name=f"sobol-{sensor}",
         title=said.title,
-        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        lead=said.lead,
-        after=said.after,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
         caption=said.caption,
+        after=said.after,
         beside=(said.beside,),
         pitch=20.0,
-        data_on_paper=False,
-        data=table(PAGE, "sobol_data", **view),
     )
 
 
@@ -561,20 +484,11 @@ def _widest(budget: Budget, sensor: str) -> tuple[OutputIndices, ...]:
     return tuple(found)
 
 
-def _sobol_row(
-    output: OutputBudget, source: Name, index: SobolIndex, sensor: str
-) -> Row:
+def _index_marks(
+    at: SimpleNamespace, source: Name, index: SobolIndex
+) -> list[ChartMark]:
     """Return one source: dot above, ring below, whiskers, and the gap between."""
-    colour, title = look_of(source)[0], source_title(source, of=sensor)
-    said = texts(
-        PAGE,
-        "sobol_row",
-        name=output.output.name,
-        title=title,
-        first=_first(index),
-        total=_total(index),
-        interacts=index.interacts,
-    )
+    colour = look_of(source)[0]
     gap = Bar(
         start=index.first,
         end=index.total,
@@ -583,23 +497,17 @@ def _sobol_row(
         opacity=GAP,
         height=2.0 * APART,
     )
-    marks: list[Mark] = [gap]
+    marks = [gap]
     for value, ends, lift, fill, tip in (
-        (index.first, index.first_interval, -APART, INK, said.tip),
+        (index.first, index.first_interval, -APART, INK, at.tip),
         (index.total, index.total_interval, APART, PAPER, ""),
     ):
         marks += [
             Stroke(start=0.0, end=value, colour=colour, width=2.0, lift=lift),
             Stroke(start=ends[0], end=ends[1], colour=INK, width=0.9, lift=lift),
-            Dot(at=value, fill=fill, size=4.5, lift=lift, tip=tip),
+            Dot(start=value, colour=fill, width=4.5, lift=lift, tip=tip),
         ]
-    return Row(
-        label=title,
-        marks=tuple(marks),
-        beside=(said.beside,),
-        strong=_can_be_seen(index),
-        said=said.said,
-    )
+    return marks
 
 
 def _can_be_seen(index: SobolIndex) -> bool:

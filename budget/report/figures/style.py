@@ -10,8 +10,9 @@ import io
 import re
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
 from budget.model.source import COLOURS
@@ -135,26 +136,6 @@ def house_style() -> Iterator[None]:
         _STYLED.reset(token)
 
 
-def canvas(
-    height: float,
-    *,
-    left: float,
-    right: float,
-    top: float,
-    below: float,
-) -> tuple[Figure, Axes]:
-    """Make a figure with one bare panel, from its height and margins in points."""
-    figure = blank(height)
-    axes = add_panel(
-        figure,
-        left=left,
-        top=top,
-        width=WIDTH - left - right,
-        height=height - top - below,
-    )
-    return figure, axes
-
-
 def blank(height: float, *, width: float = WIDTH) -> Figure:
     """Make a figure with nothing on it [pt]."""
     from budget.report.figures.displayed import Displayed
@@ -264,6 +245,59 @@ def write(
     )
 
 
+TICK_ROOM, DECADE_ROOM = 30.0, 24.0  # of a number, of a power of ten on an axis [pt]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """The axis that rows share."""
+
+    # Its ends.
+    low: float
+    high: float
+    kind: str = "linear"  # 'linear', 'log', or 'symlog' (linear between -1 and 1)
+    # Where its numbers stand, and as what; None for round ones.
+    ticks: tuple[tuple[float, str], ...] | None = None
+    # Lines across all rows, a limit or a zero, with a word above; '' for none.
+    lines: tuple[tuple[float, str], ...] = ()
+    band: tuple[float, float] | None = None  # what is shaded behind the rows
+    label: str = ""  # quantity and unit
+    most: int | None = None  # numbers on a logarithmic one, None: as fit
+
+
+def set_scale(
+    axes: Axes, name: Literal["x", "y"], scale: Scale, *, by_room: bool = False
+) -> None:
+    """Set ends, kind, numbers and name of an axis, no more numbers than have room."""
+    options = {"linthresh": 1.0} if scale.kind == "symlog" else {}
+    axis = getattr(axes, f"{name}axis")
+    if scale.kind != "linear":  # as it is
+        getattr(axes, f"set_{name}scale")(scale.kind, **options)
+    getattr(axes, f"set_{name}lim")(scale.low, scale.high)
+    width = in_points(axes, axes.bbox.width)
+    if scale.ticks is not None:
+        axis.set_ticks([x for x, _ in scale.ticks], [text for _, text in scale.ticks])
+    elif by_room or scale.kind != "linear":
+        if scale.kind == "linear":
+            number = max(2, int(width / TICK_ROOM))
+            axes.locator_params(name, nbins=number, steps=[1, 2, 5, 10])
+        elif scale.kind == "log":
+            log_ticks(axis, scale.most or max(2, int(width / DECADE_ROOM)))
+        axis.set_major_formatter("{x:g}")
+        low, high = sorted((scale.low, scale.high))
+        axis.set_ticks([x for x in axis.get_ticklocs() if low <= x <= high])
+    axes.minorticks_off()
+    if scale.label:
+        axis.set_label_text(scale.label, fontsize=SMALL, color=MUTED)
+    else:
+        without_name(axis)
+
+
+def in_points(axes: Axes, pixels: float) -> float:
+    """Return a length on the figure [pt]."""
+    return INCH * pixels / axes.figure.dpi
+
+
 HEAD_LINE, HEAD_EDGE = 12.0, 6.0  # height of a line above a figure, air around it [pt]
 
 
@@ -311,15 +345,24 @@ def folded(text: str, room: float, size: float) -> list[str]:
     return [one.rstrip() for one in found if one.strip()]
 
 
-def plane(title: str, across: str, up: str, height: float) -> tuple[Figure, Axes]:
-    """Make a figure with a grid over two axes, each with quantity and unit."""
-    figure, axes = canvas(height, left=58.0, right=66.0, top=12.0, below=34.0)
-    figure.set_label(title)
+def add_plane(
+    figure: Figure,
+    x: Scale,
+    y: Scale,
+    *,
+    left: float = 58.0,
+    top: float = 12.0,
+    right: float = 66.0,
+    height: float,
+) -> Axes:
+    """Add a panel with a grid over two axes; margins and height in points."""
+    width = INCH * float(figure.get_size_inches()[0]) - left - right
+    axes = add_panel(figure, left=left, top=top, width=width, height=height)
     axes.tick_params(axis="y", labelsize=SMALL, labelcolor=MUTED)
     axes.grid(color=GRID, linewidth=0.6)
-    axes.set_xlabel(across, fontsize=SMALL, color=MUTED)
-    axes.set_ylabel(up, fontsize=SMALL, color=MUTED)
-    return figure, axes
+    set_scale(axes, "x", x)
+    set_scale(axes, "y", y)
+    return axes
 
 
 def log_ticks(axis: Axis, most: int | None = None) -> None:
@@ -351,12 +394,13 @@ def as_picture(
     One that needs the width of the page has another for a telephone, `narrow`.
     """
     name = kebab(name)
+    svg = to_svg(figure, name=name)
     return Picture(
         name=name,
         title=title,
         alt=alt,
-        svg=to_svg(figure, name=name),
-        tips=tips or {},
+        svg=svg,
+        tips={k: tip for k, tip in (tips or {}).items() if f'"{name}-{k}"' in svg},
         caption=caption,
         data=data,
         is_wide=is_wide or narrow is not None,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import groupby, pairwise
 from math import degrees
 from typing import TYPE_CHECKING
@@ -12,29 +13,26 @@ from budget.calibration.schemes.zhao_2019 import (
     schedule_accelerometer,
 )
 from budget.inputs.records import AXES
-from budget.language import words
 from budget.report.figures.rows import (
     Bar,
     Chart,
-    Group,
-    Panel,
-    Row,
-    Scale,
-    Side,
+    ChartGroup,
+    ChartPanel,
+    ChartRow,
     Stroke,
 )
-from budget.report.figures.style import BLUE, PAPER, WIDE, WIDTH, fits
-from budget.report.pages import line, sections, table, texts
-from budget.report.wording import capital
+from budget.report.figures.style import BLUE, PAPER, WIDE, WIDTH, Scale, fits
+from budget.report.figures.tabled import entries
+from budget.report.pages import figure, line, sections
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Sequence
     from types import SimpleNamespace
 
     from budget.inputs.records import Procedure
     from budget.model.windows import Window
     from budget.report.blocks import Section
-    from budget.report.figures.rows import Mark
+    from budget.report.figures.rows import ChartMark
 
 PAGE = "figures_timeline"
 BESIDE = 80.0  # of the width that an axis leaves at most [pt]
@@ -80,90 +78,66 @@ def schedule_chart(procedure: Procedure, sensors: Sequence[str]) -> Chart | None
     tracks = make_tracks(procedure, sensors)
     if not tracks:
         return None
-    on_paper = bool(procedure.windows)
-    narrow = _schedule_chart(tracks, WIDTH, data_on_paper=on_paper)
-    wide = _schedule_chart(tracks, WIDE, data_on_paper=on_paper)
-    return replace(wide, narrow=narrow)
-
-
-def _schedule_chart(
-    tracks: Sequence[TriadSchedule], width: float, *, data_on_paper: bool
-) -> Chart:
-    """Show turns and dwells of triads to the scale of a width [pt]."""
     longest = max(track.end for track in tracks)
     unit, size = ("h", HOUR) if longest >= IN_HOURS else ("min", MINUTE)
-    said = texts(PAGE, "schedule", tracks=tracks, unit=unit)
-    span = width - BESIDE
-    whole = Panel(
-        scale=Scale(low=0.0, high=longest / size, label=said.label),
-        groups=tuple(
-            Group(
-                title=line(PAGE, "track", track=track),
-                said=capital(words(track.sensor)),
-                rows=_rows(
-                    track, range(len(track.windows)), size, span / longest, said
-                ),
+    said, table = figure(PAGE, "schedule", tracks=tracks, unit=unit)
+    whole = Scale(low=0.0, high=longest / size, label=said.label)
+
+    def drawn(width: float) -> Chart:
+        """Return the figure of a width [pt]."""
+        scale = (width - BESIDE) / longest  # [pt/s]
+        groups, panels = [], []
+        for track, (_, own) in zip(tracks, entries(table), strict=True):
+            rows = partial(_rows, track, [one.tip for one in own], said)
+            title = line(PAGE, "track", track=track)
+            every = rows(range(len(track.windows)), size=size, scale=scale)
+            groups.append(ChartGroup(title=title, rows=every))
+            turns = [track.windows[k] for k in track.turns]
+            if all(
+                fits(track.labels[k], scale * track.windows[k].length)
+                for k in track.turns
+            ):
+                continue
+            start, end = turns[0].start, turns[-1].end
+            times = longest / (end - start)
+            title = line(PAGE, "turns", track=track, times=times)
+            group = ChartGroup(
+                title=title, rows=rows(track.turns, size=1.0, scale=times * scale)
             )
-            for track in tracks
-        ),
-    )
-    enlarged = [
-        panel for track in tracks for panel in _enlarged(track, longest, span, said)
-    ]
-    return Chart(
-        name="schedule",
-        title=said.title,
-        sides=(Side(panels=(*enlarged, whole)),),
-        caption=said.caption,
-        pitch=20.0,
-        data=table(PAGE, "data", tracks=tracks),
-        data_on_paper=data_on_paper,
-        width=width,
-    )
+            enlarged = Scale(low=start, high=end, label=said.seconds)
+            panels.append(ChartPanel(scale=enlarged, groups=(group,)))
+        return Chart(
+            name="schedule",
+            title=said.title,
+            panels=(*panels, ChartPanel(scale=whole, groups=tuple(groups))),
+            table=table,
+            caption=said.caption,
+            pitch=20.0,
+            data_on_paper=bool(procedure.windows),
+            width=width,
+        )
 
-
-def _enlarged(
-    track: TriadSchedule, longest: float, span: float, said: SimpleNamespace
-) -> Iterator[Panel]:
-    """Yield the turns on an axis of their own where one is too short for its name.
-
-    An axis of `span` [pt] has all of the longest triad [s].
-    """
-    scale = span / longest
-    turns = [track.windows[k] for k in track.turns]
-    if all(fits(track.labels[k], track.windows[k].length * scale) for k in track.turns):
-        return
-    start, end = turns[0].start, turns[-1].end
-    rows = _rows(track, track.turns, 1.0, span / (end - start), said)
-    times = longest / (end - start)
-    yield Panel(
-        scale=Scale(low=start, high=end, label=said.seconds),
-        groups=(
-            Group(
-                title=line(PAGE, "turns", track=track, times=times),
-                rows=tuple(replace(row, said="") for row in rows),
-            ),
-        ),
-    )
+    return replace(drawn(WIDE), narrow=drawn(WIDTH))
 
 
 def _rows(
     track: TriadSchedule,
+    tips: Sequence[str],
+    said: SimpleNamespace,
     places: Sequence[int],
+    *,
     size: float,
     scale: float,
-    said: SimpleNamespace,
-) -> tuple[Row, Row]:
+) -> tuple[ChartRow, ChartRow]:
     """Return some windows of a triad, and below them the averages taken of them.
 
     `size` is the unit of the axis [s], `scale` that of the drawing [pt/s].
     """
-    averages: list[Mark] = []
+    averages: list[ChartMark] = []
     for name, first, last in track.averages:
         if first not in places:
             continue
-        start = track.windows[first].start
-        end = track.windows[last].start + track.windows[last].length
+        start, end = track.windows[first].start, track.windows[last].end
         text = name if fits(name, (end - start) * scale) else name.partition(",")[0]
         gap = 2.0 / scale
         averages += [
@@ -177,34 +151,31 @@ def _rows(
                 text=text,
             ),
         ]
-    return (
-        Row(
-            label=said.windows,
-            marks=tuple(_window(track, place, size, scale) for place in places),
-            said=line(PAGE, "windows", track=track, places=places),
-        ),
-        Row(label=said.averages, marks=tuple(averages)),
-    )
-
-
-def _window(track: TriadSchedule, place: int, size: float, scale: float) -> Bar:
-    """Return one window, named where its name and those like it fit."""
-    window = track.windows[place]
-    is_turn = place in track.turns
     # Some named and others not would look as if those were something else.
-    are_named = all(
-        fits(label, window.length * scale)
-        for k, label in enumerate(track.labels)
-        if (k in track.turns) == is_turn
-    )
-    return Bar(
-        start=window.start / size,
-        end=(window.start + window.length) / size,
-        colour=BLUE,
-        opacity=TURN if is_turn else DWELL,
-        height=18.0,
-        text=track.labels[place] if are_named else "",
-        tip=line(PAGE, "window_tip", track=track, place=place),
+    named = {
+        is_turn: all(
+            fits(label, window.length * scale)
+            for window, label in zip(track.windows, track.labels, strict=True)
+            if bool(window.sense) == is_turn
+        )
+        for is_turn in (False, True)
+    }
+    windows = [
+        Bar(
+            start=window.start / size,
+            end=window.end / size,
+            colour=BLUE,
+            opacity=TURN if window.sense else DWELL,
+            height=18.0,
+            text=track.labels[place] if named[bool(window.sense)] else "",
+            tip=tips[place],
+        )
+        for place in places
+        for window in [track.windows[place]]
+    ]
+    return (
+        ChartRow(label=said.windows, marks=tuple(windows)),
+        ChartRow(label=said.averages, marks=tuple(averages)),
     )
 
 

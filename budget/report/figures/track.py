@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from math import atan2, degrees, floor, log, log10, sqrt
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from budget.calibration.mission import SEEN
 from budget.names import HORIZONTAL, time_text
 from budget.navigation.route import WEIGHTS
+from budget.report.figures.curves import free_place
 from budget.report.figures.growth import PLANE
 from budget.report.figures.style import (
     INK,
@@ -20,15 +20,14 @@ from budget.report.figures.style import (
     SMALL,
     VERMILION,
     add_panel,
-    as_picture,
     blank,
-    house_style,
     rgb,
     text_width,
     without_name,
     write,
 )
-from budget.report.pages import blocks, line
+from budget.report.figures.tabled import Plot, entries
+from budget.report.pages import figure
 from budget.report.tables import DASH, length, print_coverage
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.navigation.route import Route
-    from budget.report.blocks import Picture
+    from budget.report.figures.curves import Box
     from budget.studies.mission import Curve
 
 WIDTH, SIDE = 258.0, 234.0  # of the figure, and of the picture in it at the most [pt]
@@ -53,7 +52,7 @@ MOST = 6  # ellipses
 ROUND = (1.0, 2.0, 5.0)  # of a scale, times a power of ten
 ROUND_TO = 1.05  # of the axes, for a circle [1]
 NAME_ROOM = 11.0  # of a name at an ellipse [pt]
-said = partial(line, "figures_track")
+PAGE = "figures_track"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -168,39 +167,21 @@ def track_of(route: Route) -> tuple[Array, Array]:
     return np.concatenate([[0.0], clock]), np.vstack([np.zeros(2), ends])
 
 
-def track_picture(way: Way) -> Picture:
+def track_plot(way: Way) -> Plot:
     """Show a track from above, north up, with the ellipses of its errors."""
-    title, times = track_title(way), way.times
-    data: Any = blocks(
-        "figures_track", "data", way=way, bearing=_bearing, coverage=_percent(way)
-    )[0]
-    return as_picture(
-        draw_track(way),
+    coverage = f"{print_coverage(way.coverage)} %"
+    said, table = figure(PAGE, "track", way=way, bearing=_bearing, coverage=coverage)
+    (own,) = (own for _, own in entries(table))
+    return Plot(
         name="mission-track",
-        title=title,
-        alt=said("alt", title=title, way=way, bearing=_bearing, coverage=_percent(way)),
-        tips={
-            f"ellipse-{k}": said("ellipse", one=one, bearing=_bearing)
-            for k, one in enumerate(way.ellipses)
-        },
-        caption=said(
-            "caption",
-            times=f"{times:g}",
-            coverage=_percent(way),
-            is_more=any(one.is_more for one in way.ellipses),
-        ),
-        data=data,
-        data_on_paper=False,
+        said=said,
+        table=table,
+        draw=lambda: _draw(way, said.north),
+        tips={f"ellipse-{k}": one.tip for k, one in enumerate(own)},
     )
 
 
-def track_title(way: Way) -> str:
-    """State the finding: how long and how wide the last ellipse is, and where to."""
-    return said("title", one=way.ellipses[-1], bearing=_bearing, coverage=_percent(way))
-
-
-@house_style()
-def draw_track(way: Way) -> Figure:
+def _draw(way: Way, north: str) -> Figure:
     """Draw track, ellipses, a scale and which way is north."""
     times = way.times
     outlines = [one.outline(times) for one in way.ellipses]
@@ -211,10 +192,9 @@ def draw_track(way: Way) -> Figure:
     size = size + 2.0 * room
     scale = SIDE / float(size.max())  # [pt/m]
     wide, tall = (max(scale * float(size[k]), LEAST_SIDE) for k in (1, 0))
-    figure = blank(EDGE + tall + FOOT, width=WIDTH)
-    figure.set_label(track_title(way))
+    drawing = blank(EDGE + tall + FOOT, width=WIDTH)
     axes = add_panel(
-        figure, left=(WIDTH - wide) / 2.0, top=EDGE, width=wide, height=tall
+        drawing, left=(WIDTH - wide) / 2.0, top=EDGE, width=wide, height=tall
     )
     middle = (low + high) / 2.0
     axes.set_xlim(middle[1] - wide / scale / 2.0, middle[1] + wide / scale / 2.0)
@@ -243,8 +223,8 @@ def draw_track(way: Way) -> Figure:
         )
         axes.plot(*one.centre[::-1], marker="+", color=INK, markersize=5.0)
     _name_ellipses(axes, way, outlines, scale)
-    _draw_scale(axes, scale, _rounded(wide / scale / 4.0))
-    return figure
+    _draw_scale(axes, scale, _rounded(wide / scale / 4.0), north)
+    return drawing
 
 
 def _name_ellipses(
@@ -256,53 +236,41 @@ def _name_ellipses(
     """
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
-    taken: list[tuple[float, float, float, float]] = []
+    taken: list[Box] = []
     for one, outline in reversed([*zip(way.ellipses, outlines, strict=True)]):
         text = time_text(one.time)
         wide, tall = (text_width(text) + 4.0) / scale, NAME_ROOM / scale
         (south, west), (north, east) = outline.argmin(axis=0), outline.argmax(axis=0)
-        places = [
+        places: list[Any] = [
             outline[east, ::-1] + (wide / 2.0, 0.0),
             outline[west, ::-1] - (wide / 2.0, 0.0),
             outline[north, ::-1] + (0.0, tall / 2.0),
             outline[south, ::-1] - (0.0, tall / 2.0),
             outline[north, ::-1] - (0.0, tall),
         ]
-        for at in places:
-            x, y = map(float, at)
-            box = (x - wide / 2.0, y - tall / 2.0, x + wide / 2.0, y + tall / 2.0)
-            inside = left <= box[0] and right >= box[2]
-            inside = inside and bottom <= box[1] and top >= box[3]
-            if inside and not any(_overlap(box, other) for other in taken):
-                taken.append(box)
-                axes.annotate(
-                    text,
-                    (x, y),
-                    fontsize=SMALL,
-                    color=INK,
-                    ha="center",
-                    va="center",
-                    bbox={
-                        "facecolor": PAPER,
-                        "edgecolor": "none",
-                        "alpha": 0.85,
-                        "pad": 1.0,
-                    },
-                )
-                break
+        boxes = [
+            (x - wide / 2.0, y - tall / 2.0, x + wide / 2.0, y + tall / 2.0)
+            for x, y in (map(float, at) for at in places)
+        ]
+        place = free_place(boxes, (left, bottom, right, top), taken)
+        if place is not None:
+            axes.annotate(
+                text,
+                places[place],
+                fontsize=SMALL,
+                color=INK,
+                ha="center",
+                va="center",
+                bbox={
+                    "facecolor": PAPER,
+                    "edgecolor": "none",
+                    "alpha": 0.85,
+                    "pad": 1.0,
+                },
+            )
 
 
-def _overlap(one: Sequence[float], other: Sequence[float]) -> bool:
-    """Whether two boxes (left, bottom, right, top) share more than an edge."""
-    return (
-        one[0] < other[2]
-        and other[0] < one[2]
-        and one[1] < other[3]
-        and other[1] < one[3]
-    )
-
-
-def _draw_scale(axes: Axes, scale: float, size: float) -> None:
+def _draw_scale(axes: Axes, scale: float, size: float, north: str) -> None:
     """Draw a length [m] below the picture, in points a metre, and say what is up."""
     for begin, end in (
         ((0.0, -9.0), (0.0, -3.0)),
@@ -333,7 +301,7 @@ def _draw_scale(axes: Axes, scale: float, size: float) -> None:
     )
     write(
         axes,
-        said("north"),
+        north,
         (1.0, 0.0),
         (0.0, -6.0),
         ha="right",
@@ -350,8 +318,3 @@ def _rounded(size: float) -> float:
 def _bearing(one: Ellipse) -> str:
     """Print where the long axis points, from north to east, in degrees; '-': round."""
     return DASH if one.is_round else f"{degrees(one.bearing) % 180.0:.0f}"
-
-
-def _percent(way: Way) -> str:
-    """Print the coverage."""
-    return f"{print_coverage(way.coverage)} %"

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from math import inf
 from typing import TYPE_CHECKING, Protocol
 
 from budget.report.answers import LEAST_ROWS, decades
-from budget.report.figures.rows import Bar, Chart, Group, Panel, Row, Scale, Side
-from budget.report.pages import line
+from budget.report.figures.rows import Bar, Chart, ChartPanel, rows_of
+from budget.report.figures.style import Scale
+from budget.report.pages import figure
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 MOST_DRAWN = 4  # references, and rows of each
-said = partial(line, "figures_check")
 
 
 class Moved(Protocol):
@@ -46,26 +45,14 @@ def moves_chart(moved: Sequence[tuple[str, Sequence[Moved]]]) -> Chart | None:
     if len(parts) < LEAST_ROWS:
         return None
     low, high = decades(parts)
-    scale = Scale(low=low, high=high, kind="log", label=said("axis"))
-    groups = tuple(
-        Group(
-            title=name,
-            rows=tuple(
-                Row(
-                    label=said("label", row=row),
-                    marks=(Bar(start=low, end=100.0 * row.size),),
-                    beside=(row.change,),
-                    said=said("said", row=row),
-                )
-                for row in rows
-            ),
-        )
-        for name, rows in shown
-    )
-    (name, (row, *_)), *_ = shown
+    said, table = figure("figures_check", "moves", shown=shown)
+    scale = Scale(low=low, high=high, kind="log", label=said.axis)
+    drawn = rows_of(table, lambda at: [Bar(start=low, end=at.size)])
     return Chart(
         name="moves",
-        title=said("title", name=name, row=row),
-        sides=(Side(panels=(Panel(scale=scale, groups=groups),)),),
-        caption=said("caption"),
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
     )

@@ -22,7 +22,7 @@ from budget.report.tables import (
     round_value,
     source_title,
 )
-from budget.report.wording import capital
+from budget.report.writing import capital
 from budget.version import __version__
 
 if TYPE_CHECKING:

@@ -116,7 +116,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
         assert len(shares.tips) == sum(
             len(row.marks) for one in shares.groups for row in one.rows
         )
-        assert "station: push" in coupling_chart(table, group.sensor).alt
+        assert "Station: push" in coupling_chart(table, group.sensor).alt
     rows = [row for row in answer_rows(budget, groups, None) if "bias" in row.title]
     for row in rows:
         assert PUSH in {part.name for part in row.shares.parts}

@@ -267,7 +267,7 @@ def test_lines_that_count_nothing_get_no_number(as_tested):
         assert ("without effect here" in cells[0].note) == row.is_idle
         assert (cells[2].exact is None) == row.is_idle
     assert_says(chart.title, "2 of 2 accelerometer specifications", "grow")
-    assert_says(chart.alt, "without effect here: bias repeatability")
+    assert_says(chart.caption, "without effect here: bias repeatability")
 
 
 def test_page_and_terminal_say_headroom_alike(as_tested, impossible):

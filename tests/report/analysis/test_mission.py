@@ -43,8 +43,8 @@ from budget.report.device_file import MARK
 from budget.report.figures.growth import (
     PLANE,
     ErrorGrowth,
-    draw_growth,
     growth_pictures,
+    growth_plot,
     times_apart,
 )
 from budget.report.mission import by_time, contributions
@@ -128,9 +128,9 @@ def test_the_figure_says_its_finding_and_its_numbers():
     (first,) = growth_pictures(grown())
     assert_says(first.title, "1.2 m CEP after 1 min", "of the variance")
     assert_says(first.alt, "R95", "accelerometer bias repeatability", "all others")
-    assert_says(first.alt, "of the variance at first")
-    assert {"line-cep", "line-r95", "area-0"} <= set(first.tips)
-    for name in ("mission-growth-line-cep", "mission-growth-area-0"):
+    assert_says(first.alt, "shares of its variance", "all others [%]")
+    assert {f"curve-{k}" for k in range(1, 4)} <= set(first.tips)
+    for name in ("mission-growth-curve-2", "mission-growth-curve-3"):
         assert f'id="{name}"' in first.svg
     assert len(first.data.groups[0].rows) == len(grown().times)
 
@@ -156,7 +156,7 @@ def test_each_limited_error_has_a_figure_with_its_limits():
 @pytest.mark.parametrize("error", ERRORS)
 def test_texts_of_the_figure_of_a_mission_stand_apart(error):
     """None is cut, and no name lies on another one."""
-    figure = draw_growth(ErrorGrowth.of(grown(), error))
+    figure = growth_plot(ErrorGrowth.of(grown(), error)).figure
     assert cut_texts(figure) == []
     assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 
@@ -243,7 +243,7 @@ def test_a_report_judges_mission_and_calibration_together(tmp_path):
     text = page.read_text(encoding="utf-8")
     assert_says(text, f"{far['cep']:.2g} m CEP")
     assert_says(text, "Mission: outage of 60 s")
-    assert 'id="mission-growth-line-cep"' in text
+    assert 'id="mission-growth-curve-2"' in text
 
 
 def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):

@@ -19,10 +19,8 @@ from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.figures import (
     fit_name,
-    front_picture,
+    front_plot,
     map_chart,
-    no_front,
-    pareto_scatter,
 )
 from budget.report.comparison.page import (
     comparison_answer,
@@ -318,19 +316,16 @@ def test_every_dot_of_a_front_has_its_name_or_there_is_none():
         return rankings(compared(devices, method="gum"))[0]
 
     few = ranking(3)
-    assert no_front(few, "mass") == ""
-    told = {text.get_text() for text in pareto_scatter(few, "mass").axes[0].texts}
+    told = {text.get_text() for text in front_plot(few, "mass").figure.axes[0].texts}
     assert told == {f"device {n}" for n in range(3)}
 
-    assert "no room" in no_front(ranking(40), "mass")
-    with pytest.raises(ValueError, match="no room"):
-        pareto_scatter(ranking(40), "mass")
+    assert "no room" in front_plot(ranking(40), "mass")
 
 
 def test_front_is_joined(comparison):
     """The line of the scatter goes through the devices on the front, cheapest first."""
     table = rankings(comparison)[0]
-    (front, *_) = (line for line in pareto_scatter(table, "mass").axes[0].lines[1:])
+    (front, *_) = (line for line in front_plot(table, "mass").figure.axes[0].lines[1:])
     best = [row for row in table.rows if "mass" in row.of.on_front]
 
     assert sorted(front.get_xdata()) == list(front.get_xdata())
@@ -342,11 +337,11 @@ def test_words_beside_figures_have_the_numbers(comparison):
     table = rankings(comparison)[0]
     for text in (
         map_chart(table, "map", None).alt,
-        front_picture(table, "mass", "front", None).alt,
+        front_plot(table, "mass").picture.alt,
     ):
         for row in table.decided:
             assert row.device in text
-            assert f"{row.utilisation} %" in text
+            assert f" {row.utilisation}" in text
 
 
 def test_no_text_of_a_figure_is_cut(comparison):
@@ -354,7 +349,7 @@ def test_no_text_of_a_figure_is_cut(comparison):
     table = rankings(comparison)[0]
 
     assert cut_texts(draw(map_chart(table, "map", None))) == []
-    assert cut_texts(pareto_scatter(table, "mass")) == []
+    assert cut_texts(front_plot(table, "mass").figure) == []
 
 
 @pytest.fixture(scope="module")

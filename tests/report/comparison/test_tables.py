@@ -15,7 +15,7 @@ from saying import assert_says
 from budget.language import speaking
 from budget.report.blocks import Picture, Table
 from budget.report.comparison.document import to_json
-from budget.report.comparison.figures import map_title
+from budget.report.comparison.figures import map_chart
 from budget.report.comparison.page import (
     comparison_answer,
     comparison_document,
@@ -220,7 +220,8 @@ def test_the_map_names_no_device_that_lacks_a_specification():
     good = paper_device("good", times=0.5)
 
     def titled(*devices):
-        return map_title(rankings(compared(list(devices), method="gum"))[0])
+        found = compared(list(devices), method="gum")
+        return map_chart(rankings(found)[0], "map", None).title
 
     assert_says(titled(bare, good), "tightest for the only device judged")
     assert_says(titled(good, bad), "tightest", "1 more does not give all")

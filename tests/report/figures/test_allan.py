@@ -16,9 +16,8 @@ from budget.names import Name
 from budget.report.figures.allan import (
     SIGMA,
     Allan,
-    allan_picture,
+    allan_plot,
     allan_variance,
-    draw_allan,
 )
 from budget.units import DEG_PER_HOUR, DEGREE
 
@@ -111,13 +110,13 @@ def test_of_white_noise_alone_it_is_the_noise_of_an_average():
 
 def test_it_says_what_is_left_in_an_average():
     """Title, words, table and the drawn marks have the same numbers."""
-    picture = allan_picture(of("zhao-2019"))
+    picture = allan_plot(of("zhao-2019")).picture
     assert_says(picture.title, "over 5 min has u = 0.038 deg/h", "bias stability")
     assert_says(picture.title, "Allan deviation 0.029 deg/h", "variance")
     said = "4 windows of 5 min: Allan deviation 0.029, u of an average 0.038"
     assert_says(picture.alt, said, "angle random walk")
     assert len(picture.data.groups[0].rows) == 7
-    found = texts(draw_allan(of("zhao-2019")))
+    found = texts(allan_plot(of("zhao-2019")).figure)
     assert {"5 min", f"{SIGMA} 0.029", "u 0.038", "18 s", "all together"} <= set(found)
     assert any("log scale" in text for text in found)
 
@@ -137,7 +136,7 @@ def test_its_texts_stand_apart(name, procedure):
     for sensor in load_device(name).sensors:
         found = Allan.of(sensor, load_procedure(procedure))
         if found is not None:
-            figure = draw_allan(found)
+            figure = allan_plot(found).figure
             assert cut_texts(figure) == []
             assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 

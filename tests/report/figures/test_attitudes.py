@@ -14,8 +14,7 @@ from budget.report.figures.attitudes import (
     SIGHT,
     UP,
     Positions,
-    draw_positions,
-    positions_picture,
+    positions_plot,
 )
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -88,22 +87,22 @@ def test_the_vertical_of_an_icosahedron_is_no_axis():
 
 def test_it_says_what_is_up_and_what_turns():
     """In the title, at the cubes, in the words and in the table."""
-    picture = positions_picture(positions("twenty-four-positions"))
+    picture = positions_plot(positions("twenty-four-positions")).picture
     assert_says(picture.title, "24 positions", "up and down 4 times", "6 turns")
-    assert_says(picture.alt, f"z up {TIMES} 4", "vertical along")
+    assert_says(picture.alt, f"z up {TIMES} 4", "vertical in body axes")
     assert "arc" in picture.caption
     assert len(picture.data.groups[0].rows) == 9
-    found = texts(draw_positions(positions("twenty-four-positions")))
+    found = texts(positions_plot(positions("twenty-four-positions")).figure)
     assert {"z up", "z down", "x up", "turn z", f"{TIMES} 4", f"{TIMES} 2"} <= set(
         found
     )
-    assert "arc" not in positions_picture(positions("six-positions")).caption
+    assert "arc" not in positions_plot(positions("six-positions")).picture.caption
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_its_texts_stand_apart(name):
     """None is cut, and none lies on another one."""
-    figure = draw_positions(positions(name))
+    figure = positions_plot(positions(name)).figure
     assert cut_texts(figure) == []
     assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 

@@ -30,7 +30,7 @@ from budget.report.figures.contributions import (
     tornado_chart,
     waterfall_chart,
 )
-from budget.report.figures.density import density_step
+from budget.report.figures.density import density_plot
 from budget.report.figures.outputs import (
     overview_chart,
     utilisation_chart,
@@ -214,7 +214,7 @@ def test_labels_of_other_figures_stand_free(place):
 
 def test_labels_of_a_density_stand_free():
     """Limits and intervals of a distribution keep their words beside them."""
-    figure = density_step(make_density(), coverage=0.95)
+    figure = density_plot(make_density(), coverage=0.95).figure
 
     assert cut_texts(figure) == []
     assert crossed_texts(figure) == []

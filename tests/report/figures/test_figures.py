@@ -31,9 +31,7 @@ from budget.names import Name
 from budget.report.analysis.groups import budget_section
 from budget.report.blocks import Picture
 from budget.report.figures.density import (
-    density_picture,
-    density_step,
-    density_title,
+    density_plot,
     part_beyond,
 )
 from budget.report.figures.outputs import (
@@ -138,7 +136,7 @@ def test_sources_below_one_per_cent_are_gathered():
     )
 
     assert len(widths(draw(share_chart(group)))) == 2
-    assert "other 0.9 %" in share_chart(group).alt
+    assert "all others together 0.9 %" in share_chart(group).alt
 
 
 def test_each_group_has_a_bar_of_its_whole_variance():
@@ -185,7 +183,7 @@ def test_unknown_source_is_gathered_and_not_lost():
     """A source without a colour of its own counts among the others."""
     group = bias_group({"bias_repeatability": 1.0, "levelling": 1.0})
 
-    assert "other 50 %" in share_chart(group).alt
+    assert "all others together 50 %" in share_chart(group).alt
 
 
 def test_order_of_segments_is_that_of_the_styles():
@@ -193,8 +191,9 @@ def test_order_of_segments_is_that_of_the_styles():
     group = bias_group({"bias_stability": 3.0, "bias_repeatability": 1.0})
 
     assert group.sources[0].title == "bias stability"
-    assert share_chart(group).alt.endswith(
-        "x: bias repeatability 10 %, bias stability 90 %."
+    assert re.search(
+        "x: bias repeatability 10 %, [^;]*; bias stability 90 %, ",
+        share_chart(group).alt,
     )
 
 
@@ -291,7 +290,8 @@ def test_utilisation_alt_has_every_number():
     """The words hold each output's utilisation, worst group first, axes in order."""
     alt = utilisation_chart(make_assessment(make_budget())).alt
 
-    assert "gyro bias: x 112 %, y 112 %, z 119 %; gyro scale factor:" in alt
+    limit = "0.1 deg/h"
+    assert f"Bias: x 112 %, {limit}; y 112 %, {limit}; z 119 %, {limit}; Scale" in alt
 
 
 def test_far_exceeded_limits_fit_the_axis():
@@ -315,7 +315,7 @@ PICTURES = {
     "utilisation": lambda: utilisation_chart(make_assessment(make_budget())),
     "coupling": lambda: coupling_chart(make_coupling(), "gyro"),
     "schedule": lambda: schedule_chart(make_procedure(), BOTH),
-    "density": lambda: density_picture(make_density(), coverage=0.95),
+    "density": lambda: density_plot(make_density(), coverage=0.95).picture,
     "validity": lambda: validity_chart(
         with_checks(make_budget(), {"gyro.bias.x": -7.0}), "gyro"
     ),
@@ -323,7 +323,7 @@ PICTURES = {
     "overview": lambda: overview_chart(group_tables(make_budget())),
 }
 FIGURES = {
-    "density": lambda: density_step(make_density(), coverage=0.95),
+    "density": lambda: density_plot(make_density(), coverage=0.95).figure,
 }
 WORDS_HAVE_DATA = ("utilisation", "validity", "sobol", "overview")
 
@@ -394,11 +394,8 @@ def test_every_segment_has_its_tip():
     tips = share_chart(group).tips
 
     assert len(tips) == len(draw(share_chart(group)).axes[0].patches)
-    (tip,) = (text for text in tips.values() if "bias z: bias stability" in text)
-    assert_says(
-        tip,
-        *("gyro bias z: bias stability 31 %", "variance", "by itself u = 0.034 deg/h"),
-    )
+    (tip,) = (text for text in tips.values() if "bias z, bias stability" in text)
+    assert_says(tip, "gyro bias z, bias stability", "variance 31 %", "[deg/h] 0.034")
 
 
 def test_sources_have_one_order_and_colour_in_all_figures():
@@ -552,7 +549,8 @@ def test_part_beyond_the_limit_is_that_of_the_normal_law():
 def test_density_title_says_how_often_the_limit_is_exceeded():
     """The finding is a share of the trials, 'none' where there is none."""
     titles = [
-        density_title(make_density(limit), coverage=0.95) for limit in (0.1, 1.0, None)
+        density_plot(make_density(limit), coverage=0.95).said.title
+        for limit in (0.1, 1.0, None)
     ]
 
     some, none, without = titles
@@ -564,7 +562,7 @@ def test_density_title_says_how_often_the_limit_is_exceeded():
 def test_limit_far_away_is_told_and_not_drawn():
     """A limit that would squeeze the density is in the caption, not in the picture."""
     near, far = (
-        density_picture(make_density(limit), coverage=0.95) for limit in (0.1, 1.0)
+        density_plot(make_density(limit), coverage=0.95).picture for limit in (0.1, 1.0)
     )
 
     assert near.svg.count(">limit<") == 2
@@ -580,7 +578,7 @@ def test_differences_keep_their_signs():
     assert_says(title, "not confirmed for 1 of 12 gyro outputs", "gyro bias x")
     assert_says(title, "7.00 tolerances")
     alt = validity_chart(budget, "gyro").alt
-    assert "bias: x -7.00 and +0.10 (fails), y -0.10 and +0.10," in alt
+    assert "Bias: x -7.00, +0.10, fails; y -0.10, +0.10, agrees;" in alt
     assert texts(draw(validity_chart(budget, "gyro"))).count("fails 7.00") == 1
 
 
@@ -622,11 +620,10 @@ def test_every_visible_source_of_the_bars_is_named():
 def test_names_and_numbers_have_the_room_that_they_need(figure, long):
     """A long name widens the margin; a text beside that is too long is cut."""
     chart = PICTURES[figure]()
-    (side,) = chart.sides
-    group = side.panels[0].groups[0]
+    group = chart.panels[0].groups[0]
     row = replace(group.rows[0], label="a name", beside=(long,))
-    panel = replace(side.panels[0], groups=(replace(group, rows=(row,)),))
-    drawn = draw(replace(chart, sides=(replace(side, panels=(panel,)),)))
+    panel = replace(chart.panels[0], groups=(replace(group, rows=(row,)),))
+    drawn = draw(replace(chart, panels=(panel,)))
 
     assert cut_texts(drawn) == []
     assert (long in texts(drawn)) == (len(long) < 80)

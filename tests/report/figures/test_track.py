@@ -15,9 +15,8 @@ from budget.inputs import load_mission
 from budget.report.figures.track import (
     Ellipse,
     Way,
-    draw_track,
     track_of,
-    track_picture,
+    track_plot,
 )
 
 COVARIANCES = (
@@ -92,27 +91,27 @@ def test_small_errors_are_enlarged_and_it_is_said_how_much():
     assert small.times > 10.0
     assert large.times == 1.0
     assert_says(
-        track_picture(small).caption,
+        track_plot(small).picture.caption,
         f"enlarged {small.times:g} times against the track",
     )
-    assert_says(track_picture(large).caption, "to scale")
+    assert_says(track_plot(large).picture.caption, "to scale")
 
 
 def test_it_says_its_numbers_and_which_way_is_north():
     """Half axes and bearing are in the words and in the table; north is up."""
-    picture = track_picture(way(100.0))
+    picture = track_plot(way(100.0)).picture
     last = way(100.0).ellipses[-1]
     assert_says(picture.title, "half axes", "from north")
     assert f"{np.degrees(last.bearing):.0f} deg" in picture.alt
     assert len(picture.data.groups[0].rows) == 2
-    assert "north is up" in texts(draw_track(way(100.0)))
+    assert "north is up" in texts(track_plot(way(100.0)).figure)
     for gid in picture.tips:
         assert picture.svg.count(f' id="{picture.name}-{gid}"') == 1
 
 
 def test_north_is_up_and_east_is_right():
     """What is drawn across is east, and up is north, on one scale."""
-    figure = draw_track(way(100.0))
+    figure = track_plot(way(100.0)).figure
     (axes,) = figure.axes
     x, y = axes.lines[0].get_data()
     assert_allclose(np.column_stack([y, x]), way(100.0).track)
@@ -125,7 +124,7 @@ def test_north_is_up_and_east_is_right():
 @pytest.mark.parametrize("name", ["car-drive", "ship", "bench"])
 def test_its_texts_stand_apart(name, sigma):
     """None is cut, and no name lies on another one."""
-    figure = draw_track(way(sigma, name))
+    figure = track_plot(way(sigma, name)).figure
     assert cut_texts(figure) == []
     assert [pair for pair in crossed_texts(figure) if pair[1] != "line"] == []
 
@@ -147,7 +146,7 @@ def test_a_round_ellipse_has_no_long_axis():
     """Its bearing is a dash; what lacks makes all of it this or more."""
     one = ellipse(np.eye(2))
     more = replace(way(1.0), ellipses=(replace(one, is_more=True),))
-    (row,) = track_picture(more).data.groups[0].rows
+    (row,) = track_plot(more).picture.data.groups[0].rows
     assert row[3].text == "-"
     assert row[1].text == "\N{GREATER-THAN OR EQUAL TO} 2.4"
-    assert "\N{GREATER-THAN OR EQUAL TO} 2.4 m" in track_picture(more).title
+    assert "\N{GREATER-THAN OR EQUAL TO} 2.4 m" in track_plot(more).picture.title

@@ -1,4 +1,4 @@
-"""Names of lines and areas: beside their ends, or on paper of their own over them."""
+"""Names of lines, areas and points in a figure over two axes, none on another."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from budget.report.figures.style import INCH, INK, PAPER, SMALL, write
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from matplotlib.axes import Axes
 
@@ -32,7 +32,7 @@ def name_lines(
         return room * float(to_axes.transform((axes.get_xlim()[1], value))[1])
 
     ranked = sorted(((place(v), text) for v, text in names), reverse=True)
-    half = [APART * (1 + folded(text).count("\n")) / 2.0 for _, text in ranked]
+    half = [APART * (1 + in_two_lines(text).count("\n")) / 2.0 for _, text in ranked]
     at = [min(y, room) for y, _ in ranked]
     for k in range(1, len(at)):
         at[k] = min(at[k], at[k - 1] - half[k - 1] - half[k])
@@ -53,7 +53,7 @@ def name_lines(
             shift = 2.0 * AIR + PIECE
         write(
             axes,
-            folded(text),
+            in_two_lines(text),
             (1.0, y / room),
             (shift, 0.0),
             va="center",
@@ -64,7 +64,7 @@ def name_lines(
 FOLD = 18  # characters of a name in a line beside a figure
 
 
-def folded(text: str) -> str:
+def in_two_lines(text: str) -> str:
     """Break a long name in two lines."""
     if len(text) <= FOLD or " " not in text:
         return text
@@ -96,3 +96,23 @@ def on_paper(
         va="center",
         bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
     )
+
+
+Box = tuple[float, float, float, float]  # left, low, right, high
+
+
+def free_place(boxes: Iterable[Box], within: Box, taken: list[Box]) -> int | None:
+    """Return the first of some boxes that is within another and on none that is taken.
+
+    It is taken then; None where none is free.
+    """
+    for place, (left, low, right, high) in enumerate(boxes):
+        inside = within[0] <= left and within[1] <= low
+        inside = inside and right <= within[2] and high <= within[3]
+        if inside and not any(
+            left < one[2] and one[0] < right and low < one[3] and one[1] < high
+            for one in taken
+        ):
+            taken.append((left, low, right, high))
+            return place
+    return None
