@@ -52,6 +52,11 @@ def kind_of_device(device: Device) -> str:
     return "IMU" if len(kinds) > 1 else kinds[0]
 
 
+def graded_by(kind: str) -> str:
+    """Return the line that a kind of sensor is graded by."""
+    return next(one.name for one in SOURCES if kind in one.grades)
+
+
 def grade(sensor: Sensor) -> str:
     """Return 'navigation', 'tactical' or 'consumer'; '-' where nobody can tell.
 
@@ -60,8 +65,7 @@ def grade(sensor: Sensor) -> str:
     stability that is sigma of a Gauss-Markov process, or the coefficient B of flicker
     noise: the largest Allan deviation of the one is 0.617 sigma, 0.664 B of the other.
     """
-    by = next(one.name for one in SOURCES if sensor.kind in one.grades)
-    line = sensor.line(by)
+    line = sensor.line(graded_by(sensor.kind))
     if line is None:
         return UNKNOWN
     size = line.largest
