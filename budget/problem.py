@@ -92,16 +92,21 @@ class Group:
             )
         if not (np.isfinite(self.mean).all() and np.isfinite(self.covariance).all()):
             raise ProblemError(f"{where}: a mean or covariance is not finite")
+        if (np.diag(self.covariance) < 0.0).any():
+            raise ProblemError(f"{where}: a variance is negative")
+        if not self.is_independent:
+            self._check_correlated(where)
+
+    def _check_correlated(self, where: str) -> None:
+        """Check a covariance of inputs that are not independent."""
         scale = np.sqrt(np.abs(np.diag(self.covariance)))
         slack = ROUNDING * np.outer(scale, scale)
         if (np.abs(self.covariance - self.covariance.T) > slack).any():
             raise ProblemError(f"{where}: the covariance matrix is not symmetric")
-        if (np.diag(self.covariance) < 0.0).any():
-            raise ProblemError(f"{where}: a variance is negative")
         if (np.abs(self.covariance) > np.outer(scale, scale) + slack).any():
             raise ProblemError(f"{where}: a correlation is larger than 1")
         _ = self.factor  # says no to a covariance that has none
-        if not self.is_independent and any(d != NORMAL for d in self.drawn):
+        if any(d != NORMAL for d in self.drawn):
             raise ProblemError(
                 f"{where}: inputs are correlated that are not all normal; a covariance "
                 "does not say their joint distribution. Take jcgm.Copula in the place "
@@ -158,7 +163,8 @@ class Group:
     @cached_property
     def is_independent(self) -> bool:
         """Whether no two inputs of the group are correlated."""
-        return not (self.covariance - np.diag(np.diag(self.covariance))).any()
+        found = np.count_nonzero(self.covariance)
+        return bool(found == np.count_nonzero(np.diag(self.covariance)))
 
     @cached_property
     def is_constant(self) -> bool:
@@ -465,6 +471,11 @@ class _Chain:
 
     first: Problem
     last: Function
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether the first is the same whenever it is called."""
+        return getattr(self.first.function, "is_steady", False)
 
     def __call__(self, argument: Array) -> Array:
         """Return what follows, shape (n_new, trials) [SI]."""

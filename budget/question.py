@@ -21,8 +21,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -48,11 +48,8 @@ from budget.calibration.schemes import (
 )
 from budget.errors import CallError, UnitError
 from budget.inputs import (
-    load_calibration,
     load_devices,
-    load_mission,
     load_procedure,
-    load_requirement,
 )
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import JOINT, UNCALIBRATED, Device
@@ -84,7 +81,7 @@ from budget.names import (
     meant,
     time_text,
 )
-from budget.settings import Asked, check
+from budget.settings import Asked, Inputs, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
@@ -100,7 +97,6 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
         Sensor,
-        Station,
     )
     from budget.methods.gum import Propagation
     from budget.problem import Output, Problem
@@ -277,15 +273,8 @@ class Question:
     def load(
         cls,
         *devices: Device | File,
-        procedure: Procedure | File | None = None,
-        calibration: Procedure | File | None = None,
-        station: Station | File | None = None,
-        age: str | None = None,
-        environment: str | None = None,
-        requirement: Requirement | File | None = None,
-        mission: Mission | File | None = None,
-        at: Sequence[float | str] = (),
-        **asked: Any,  # noqa: ANN401 - of `of`
+        inputs: Inputs,
+        asked: Asked | None = None,
     ) -> Self:
         """Read what a caller names, and put it together: the way to every study.
 
@@ -298,25 +287,27 @@ class Question:
         SpecError
             A file is not sound.
         """
-        wanted = None if requirement is None else load_requirement(requirement)
-        route = None if mission is None else load_mission(mission)
-        if route is None and tuple(at):
-            raise CallError(f"at is {at!r}, the times of a mission; give mission=, too")
+        wanted, route = inputs.required, inputs.journey
+        if route is None and inputs.at:
+            raise CallError(
+                f"at is {inputs.at!r}, the times of a mission; give mission=, too"
+            )
+        asked = Asked() if asked is None else asked
+        named = asked.settle()
         return cls.of(
             *load_devices(devices),
-            procedure=load_calibration(
-                calibration,
-                procedure,
-                station=station,
-                age=age,
-                environment=environment,
-                mission=route,
-                requirement=wanted,
-            ),
+            procedure=inputs.calibrated(mission=route, requirement=wanted),
             requirement=wanted,
             mission=route,
-            carried_to=None if route is None else choose_times(route, at, wanted),
-            **asked,
+            carried_to=None
+            if route is None
+            else choose_times(route, inputs.at, wanted),
+            coverage=asked.coverage,
+            reference=asked.reference,
+            only=named.only,
+            outputs=named.outputs,
+            missing=asked.missing,
+            catalogue=inputs.catalogue,
         )
 
     def whole(self) -> Self:
@@ -393,8 +384,7 @@ class Question:
         """Return the same in an environment of more lines."""
         if not lines:
             return self
-        own = self.procedure
-        used = replace(own, environment=(*own.environment, *lines))
+        used = _used(self.procedure, tuple(lines))
         return self.kept(tuple(map(id, lines)), lambda: replace(self, procedure=used))
 
     def with_sensors(self, sensors: Iterable[Sensor]) -> Question:
@@ -612,6 +602,12 @@ class Question:
         return lacking(
             self.sensors, self.procedure, reference=self.reference, only=self.only
         )
+
+
+@lru_cache(maxsize=16)
+def _used(own: Procedure, lines: tuple[ErrorLine, ...]) -> Procedure:
+    """Return a procedure in an environment of more lines: one for all devices."""
+    return replace(own, environment=(*own.environment, *lines))
 
 
 def _told(line: ErrorLine) -> tuple[Hashable, ...]:

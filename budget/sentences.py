@@ -9,7 +9,7 @@ and messages have the English of the shipped one, always.
 from __future__ import annotations
 
 import re
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, cast
 
 from markupsafe import Markup
@@ -26,7 +26,7 @@ from budget.language import (
     template,
     words,
 )
-from budget.names import time_text
+from budget.names import Name, time_text
 from budget.resources import (
     own_templates,
     telling,
@@ -47,6 +47,8 @@ _PLACE = re.compile(r"([^.]+)\.(\w+)")  # page and macro
 _PARTS = re.compile(r"%\((\w+)\)s|%%")
 _MACRO = re.compile(r"(?ms)^\{% macro (\w+)\(.*?\{% endmacro %\}$")
 _WORD = re.compile(r"(?<!\|)\b\w+")
+# Values of which a sentence is the same whenever they are: 1 and True are not.
+PLAIN = {str, Name, int, float, bool, type(None)}
 
 
 class Sentence(Note):
@@ -74,7 +76,9 @@ class Sentence(Note):
 
 def sentence(place: str, /, **parts: object) -> Sentence:
     """Fill a macro, 'page.macro', in with values, to be said later."""
-    return Sentence(place, parts) if parts else _alone(place)
+    if any(type(one) not in PLAIN for one in parts.values()):
+        return Sentence(place, parts)
+    return _kept(place, tuple(parts.items()), tuple(map(type, parts.values())))
 
 
 def described(text: str) -> str:
@@ -82,10 +86,12 @@ def described(text: str) -> str:
     return sentence(text) if text.startswith("sources.") else text
 
 
-@cache
-def _alone(place: str) -> Sentence:
-    """Return a sentence without values, which a catalogue has a thousand times."""
-    return Sentence(place, {})
+@lru_cache(maxsize=4096)
+def _kept(
+    place: str, parts: tuple[tuple[str, object], ...], _: tuple[type, ...]
+) -> Sentence:
+    """Return a sentence of plain values, which a comparison has a thousand times."""
+    return Sentence(place, dict(parts))
 
 
 @cache

@@ -7,12 +7,15 @@ references and tables of methods are read from the rows here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from decimal import Decimal
-from functools import partial
+from difflib import get_close_matches
+from functools import partial, wraps
+from inspect import Parameter, Signature, cleandoc, signature
 from numbers import Integral, Real
+from textwrap import fill, indent
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from budget.documents import Documented, written
@@ -22,11 +25,21 @@ from budget.names import Name
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from budget.inputs.records import Requirement
+    from budget.inputs.files import File
+    from budget.inputs.records import (
+        Device,
+        Mission,
+        Procedure,
+        Requirement,
+        Station,
+    )
 
 T = TypeVar("T")
 Progress = Callable[[str, int, int], None]  # what is done, steps done, steps in all
 Stage = Callable[[int, int], None]
+FILES = ("device", "procedure", "station", "mission", "requirement")
+NAMED = ("source", "output")
+UNTESTED = ("none", "factory")  # in the place of a procedure
 LONGEST_NUMBER = 20  # digits; longer ones cost time to read
 LEAST_TRIALS, MOST_TRIALS = 2, 100_000_000  # of a call and of stored references
 METHODS = ("gum", "monte-carlo", "simulation")
@@ -60,6 +73,7 @@ class Row:
     several: bool = False  # may be given again
     needed: bool = False
     default: Any = None
+    type: str = ""  # of the field, as it is written there
     document: str | None = (
         None  # how its row begins; None: with its name, '': there is none
     )
@@ -84,28 +98,65 @@ def setting(
 
 def rows(kind: type, job: str, where: str = "") -> dict[str, Row]:
     """Return the fields that mean something in a job, each as it is there."""
-    return {
-        name: replace(row, **row.at.get(job, {}))
+    there = {
+        name: replace(row, **_other(row, row.at[job])) if job in row.at else row
         for name, row in every_row(kind).items()
-        if job in row.jobs and row.only in {"", where or row.only}
+        if job in row.jobs
     }
+    return {
+        name: row for name, row in there.items() if row.only in {"", where or row.only}
+    }
+
+
+_KNOWN: dict[type, dict[str, Row]] = {}
 
 
 def every_row(kind: type) -> dict[str, Row]:
     """Return all rows by the names of their fields, those of what it stands on too."""
-    bases = [one for one in reversed(kind.__mro__) if is_dataclass(one)]
-    return {
-        one.name: one.metadata["row"]
-        for base in bases
-        for one in fields(base)
-        if "row" in one.metadata
-    }
+    if kind not in _KNOWN:
+        bases: list[Any] = [one for one in kind.__mro__[::-1] if is_dataclass(one)]
+        _KNOWN[kind] = {
+            one.name: replace(one.metadata["row"], type=str(one.type))
+            for base in bases
+            for one in fields(base)
+            if "row" in one.metadata
+        }
+    return _KNOWN[kind]
+
+
+def _other(row: Row, there: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is other in a job; other words of an option are those of both."""
+    said = "" if "help" in there else row.said
+    return {"said": said, **there}
 
 
 def ask(kind: type[T], job: str, given: Mapping[str, Any]) -> T:
-    """Return what is asked for: what is given, else what is usual in the job."""
-    usual = {name: row.default for name, row in rows(kind, job).items()}
-    return kind(**{**usual, **given})
+    """Return what is asked for: what is given, else what is usual in the job.
+
+    Raises
+    ------
+    CallError
+        Where names are expected there is something else.
+    """
+    found = rows(kind, job)
+    values = {name: row.default for name, row in found.items()}
+    for name, value in given.items():
+        values[name] = _many(name, value, found[name]) if found[name].several else value
+    return kind(**values)
+
+
+def _many(name: str, given: Any, row: Row) -> tuple[Any, ...]:  # noqa: ANN401 - not checked
+    """Return what may be given again, one alone too."""
+    if isinstance(given, str) or (row.read and isinstance(given, Real)):
+        given = (given,)
+    if not isinstance(given, Iterable):
+        raise CallError(f"{name} is {given!r}, expected names: ['gyro.bias']")
+    values = tuple(given)
+    if row.takes in NAMED and (
+        wrong := [one for one in values if not isinstance(one, str)]
+    ):
+        raise CallError(f"{name} has {wrong[0]!r}, expected names: 'gyro.bias'")
+    return values
 
 
 def check(job: str, *asked: object) -> None:
@@ -205,6 +256,9 @@ def _time(text: str) -> float:
     if not time > 0.0:
         raise CallError(f"{text!r} is not after the start; give one above 0 s")
     return time
+
+
+_JUDGING = "analyze mission report compare decide allocate"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -385,12 +439,43 @@ class Asked:
         "What stands for expected specifications not given: nothing, the worst or the "
         "median of comparable devices, or a distribution predicted from them. Exit "
         "codes go by refuse.",
-        "analyze mission report compare decide export check",
+        "analyze mission report compare decide export check diff",
         said="What stands for expected lines that are not given: nothing, the worst or "
         "the median of comparable devices, or a distribution predicted from them.",
         panel=JUDGED,
         choices=("refuse", "worst", "typical", "predict"),
         document="missing if fills",
+        has_line=True,
+    )
+
+    strategy: str | None = setting(
+        None,
+        "How limits are shared out (proportional; cost with --costs).",
+        "allocate station check",
+        said="How limits are shared out; 'proportional' without it, 'cost' where there "
+        "are costs.",
+        at={
+            "station": {
+                "help": "How figures share the limits: in equal parts, or in "
+                "proportion to the procedure's own station.",
+                "said": "How figures share the limits: in equal parts, or in "
+                "proportion to those of the procedure's own station.",
+                "choices": ("equal", "proportional"),
+                "default": "equal",
+            },
+        },
+        choices=("equal", "proportional", "cost"),
+        document="",
+    )
+    fix: Sequence[str] = setting(
+        (),
+        "Hold this specification, as gyro.bias_stability.",
+        "allocate check",
+        only=CLI,
+        metavar="SOURCE",
+        takes="source",
+        several=True,
+        document="",
     )
 
     def settle(self, requirement: Requirement | None = None) -> Settings:
@@ -482,6 +567,17 @@ def fills(asked: Asked) -> bool:
     return asked.missing != "refuse"
 
 
+def further(settings: Settings) -> dict[str, str]:
+    """Return what tables have no words of their own for, where it is not as usual."""
+    return {
+        name: str(getattr(settings, name))
+        for name, row in every_row(Asked).items()
+        if row.document != ""
+        and not row.has_line
+        and getattr(settings, name) != row.default
+    }
+
+
 @dataclass(frozen=True, kw_only=True)
 class Settings(Asked, Documented):
     """Everything besides the input files that a result depends on.
@@ -503,6 +599,194 @@ class Settings(Asked, Documented):
 
 
 _USUAL = Settings()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Use:
+    """What a unit was calibrated by, and what it is used in."""
+
+    calibration: Procedure | File | None = setting(
+        None,
+        "What calibrated the unit: nothing, its maker, or a procedure (its maker for a "
+        "mission; the paper's for limits on the calibration).",
+        "analyze mission report compare allocate station sweep check diff",
+        said="What calibrated the unit, in the place of a procedure: 'none', 'factory' "
+        "or a procedure.",
+        panel=USED,
+        metavar="none|factory|PROCEDURE",
+        takes="procedure",
+        words=UNTESTED,
+    )
+    age: str | None = setting(
+        None,
+        "Time from the calibration to its use, as '1 year': what ages has gone that "
+        "long (--reference next_turn_on).",
+        f"{_JUDGING} station export sweep check diff",
+        said="Time from the calibration to its use, '1 year', where no file gives one.",
+        panel=USED,
+        metavar="TIME",
+    )
+    environment: str | None = setting(
+        None,
+        "That the unit is used in, as 'temperature 20 degC, vibration 1 g' "
+        "(difference from the calibration, 1 sigma; rms), or none, as there "
+        "(--reference next_turn_on).",
+        f"{_JUDGING} station export sweep check diff",
+        said="That it is used in, 'temperature 20 degC, vibration 1 g' or 'none', "
+        "where no file says so.",
+        panel=USED,
+        metavar="TEXT|none",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inputs(Use):
+    """The files that a result depends on, with what the call says in their place."""
+
+    requirement: Requirement | File | None = setting(
+        None,
+        "Requirement file; its coverage and error reference rule.",
+        "analyze mission report compare allocate station sweep check",
+        said="What it is judged against; its coverage and error reference rule.",
+        at={
+            "compare": {"only": CLI, "needed": True},
+            "allocate": {"needed": True},
+            "station": {"needed": True},
+        },
+        panel=JUDGED,
+        metavar="FILE",
+        takes="requirement",
+    )
+    changes: Sequence[str] = setting(
+        (),
+        "Another value than the file's, as gyro.bias_stability='0.02 deg/h', of an "
+        "axis gyro.bias_repeatability.x=..., of one device NAME:gyro....",
+        f"{_JUDGING} station export check diff devices validate",
+        only=CLI,
+        panel=JUDGED,
+        option="--set",
+        metavar="SPEC=VALUE",
+        takes="line",
+        several=True,
+    )
+    mission: Mission | File | None = setting(
+        None,
+        "Mission file, or the name of one that ships, as bench.",
+        f"{_JUDGING} sweep check diff",
+        said="Whose errors are asked for, or what limits on a mission are on; at a "
+        "later turn-on.",
+        at={"mission": {"needed": True}},
+        panel=JUDGED,
+        metavar="FILE",
+        takes="mission",
+    )
+    at: Sequence[float | str] = setting(
+        (),
+        "Time since the mission began, as '10 min' (those of the mission's file).",
+        "analyze mission report sweep",
+        said="Times of the mission [s], or as '10 min'; those of its file without it.",
+        panel=JUDGED,
+        metavar="TIME",
+        read=_time,
+        several=True,
+    )
+    procedure: Procedure | File | None = setting(
+        None,
+        "Procedure file (the paper's).",
+        "analyze mission report allocate station export sweep diff",
+        said="The test; the paper's, if none is given, and of a mission alone the "
+        "maker's calibration.",
+        panel=USED,
+        metavar="FILE",
+        takes="procedure",
+    )
+    procedures: Sequence[Procedure | File] = setting(
+        (),
+        "Procedure file (the paper's).",
+        "compare decide check",
+        at={
+            "decide": {
+                "help": "A calibration that is at hand, the one preferred first (the "
+                "paper's)."
+            }
+        },
+        only=CLI,
+        panel=USED,
+        option="--procedure",
+        metavar="FILE",
+        takes="procedure",
+        several=True,
+    )
+    station: Station | File | None = setting(
+        None,
+        "Station file: what is not known of table, place and environment (an ideal "
+        "one).",
+        f"{_JUDGING} export sweep check diff",
+        said="Where a procedure is done that names no station itself.",
+        panel=USED,
+        metavar="FILE",
+        takes="station",
+    )
+    catalogue: Sequence[Device] | None = setting(
+        None,
+        "Devices that are comparable; without it those that ship.",
+        "analyze compare decide allocate export",
+        only=LIBRARY,
+    )
+
+    @property
+    def required(self) -> Any:  # noqa: ANN401 - as the job has it
+        """The requirement, loaded; None where none is given."""
+        from budget.inputs import load_requirement
+
+        return None if self.requirement is None else load_requirement(self.requirement)
+
+    @property
+    def journey(self) -> Mission | None:
+        """The mission, loaded; None where none is given."""
+        from budget.inputs import load_mission
+
+        return None if self.mission is None else load_mission(self.mission)
+
+    def calibrated(
+        self,
+        *,
+        mission: Mission | None = None,
+        requirement: Requirement | None = None,
+        by: Procedure | File | None = None,
+    ) -> Procedure:
+        """Load what calibrated the unit, for a mission and limits; `by` one of several.
+
+        Raises as load_calibration.
+        """
+        from budget.inputs import load_calibration
+
+        return load_calibration(
+            self.calibration,
+            self.procedure if by is None else by,
+            station=self.station,
+            age=self.age,
+            environment=self.environment,
+            mission=mission,
+            requirement=requirement,
+        )
+
+    @property
+    def files(self) -> list[Any]:
+        """What it names, file by file."""
+        given = [
+            getattr(self, name)
+            for name, row in every_row(Inputs).items()
+            if row.takes in FILES
+        ]
+        return [
+            one
+            for some in given
+            for one in (some if isinstance(some, tuple) else (some,))
+            if one is not None and one not in UNTESTED
+        ]
+
+
 # In documents, as the first of them had it; later ones follow.
 _FIRST = (
     *("method", "trials", "seed", "coverage", "interval", "reference", "formulas"),
@@ -532,3 +816,88 @@ def _listed(choices: Sequence[str]) -> str:
 
 
 written("settings", _document(), fills=fills)(Settings)
+
+
+RECORDS = {one.__name__: one for one in (Asked, Engine, Inputs)}
+
+
+def asking(job: str) -> Callable[[Callable[..., T]], Callable[..., T]]:
+    """Spell out what may be asked of a function that takes it in records.
+
+    The function has parameters of the types in RECORDS. Whoever calls it gives their
+    fields by name; signature and docstring have them, what is given is checked, and
+    the function is handed the records. They may be given whole, too.
+    """
+
+    def give(function: Callable[..., T]) -> Callable[..., T]:
+        own = signature(function)
+        spelled = {
+            one.name: RECORDS[one.annotation]
+            for one in own.parameters.values()
+            if one.annotation in RECORDS
+        }
+        found = {name: rows(kind, job, LIBRARY) for name, kind in spelled.items()}
+        every = {name: row for some in found.values() for name, row in some.items()}
+        allowed = [*every, *(name for name in own.parameters if name not in spelled)]
+
+        @wraps(function)
+        def call(*arguments: Any, **given: Any) -> T:  # noqa: ANN401 - as it takes them
+            for name in given.keys() - {*allowed, *spelled}:
+                near = get_close_matches(name, allowed, 1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                raise TypeError(
+                    f"{function.__name__}() got an unexpected keyword argument "
+                    f"{name!r}{hint} Allowed: {', '.join(allowed)}"
+                )
+            for name, row in every.items():
+                is_whole = spelled.keys() & given
+                if row.needed and not is_whole and given.get(name) is None:
+                    raise CallError(
+                        f"{function.__name__}() needs {name}={row.type}; none was given"
+                    )
+            for name in spelled.keys() - given.keys():
+                own = {one: given.pop(one) for one in [*given] if one in found[name]}
+                given[name] = ask(spelled[name], job, own)
+            check(job, *(given[name] for name in spelled))
+            return function(*arguments, **given)
+
+        shown: Any = call
+        shown.__signature__ = own.replace(parameters=_parameters(own, found))
+        shown.__doc__ = _with_parameters(function.__doc__ or "", every)
+        return call
+
+    return give
+
+
+def _parameters(
+    own: Signature, found: Mapping[str, Mapping[str, Row]]
+) -> list[Parameter]:
+    """Return parameters, each record as its fields."""
+    return [
+        each
+        for one in own.parameters.values()
+        for each in (
+            [
+                Parameter(
+                    name,
+                    Parameter.KEYWORD_ONLY,
+                    default=Parameter.empty if row.needed else row.default,
+                    annotation=row.type,
+                )
+                for name, row in found[one.name].items()
+            ]
+            if one.name in found
+            else [one]
+        )
+    ]
+
+
+def _with_parameters(text: str, found: Mapping[str, Row]) -> str:
+    """Return a docstring with these at the end of its Parameters."""
+    head, mark, rest = cleandoc(text).partition("\n\nReturns\n")
+    lines = []
+    for name, row in found.items():
+        kind = _listed(row.choices) if row.choices else row.type.replace(" | ", " or ")
+        kind = kind.replace(" or None", ", optional")
+        lines += [f"{name} : {kind}", indent(fill(row.text, 84), "    ")]
+    return "\n".join([head, *lines]) + mark + rest

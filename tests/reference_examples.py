@@ -16,7 +16,7 @@ from budget.references.files import (
     take,
 )
 from budget.references.jobs import compute
-from budget.references.records import Asked
+from budget.references.records import Stored
 from budget.references.store import read_reference, reference_text
 
 DEVICE = """\
@@ -55,7 +55,7 @@ def parts_of(text=DEVICE, *, job="analyze", more=()):
 
 def snapshot(text=DEVICE, *, job="analyze", more=(), **asked):
     """Compute a job on a device text."""
-    return compute(job, parts_of(text, job=job, more=more), Asked(**asked))
+    return compute(job, parts_of(text, job=job, more=more), Stored(**asked))
 
 
 def computing_once():
@@ -100,7 +100,7 @@ def store(folder, text=DEVICE, *, job="analyze", more=(), name="ref.json", **ask
     inputs = [take("device", folder / "imu.yaml", folder)]
     inputs += [take("procedure", "zhao-2019", folder)]
     inputs += [take(role, one, folder) for role, one in more]
-    reference = make_reference(job, inputs, Asked(**asked))
+    reference = make_reference(job, inputs, Stored(**asked))
     path = folder / name
     path.write_text(reference_text(reference), encoding="utf-8")
     return path

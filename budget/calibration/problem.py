@@ -8,7 +8,7 @@ source that both triads share is drawn once and felt by both.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -30,6 +30,7 @@ from budget.model.rotation import RotationScheme
 from budget.model.source import (
     SENSORS,
     TURN_ON,
+    Coefficient,
     Disturbance,
     Initial,
     Noise,
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 
+FRAMES = 512  # structures of devices: hundreds of designs have as many
 MOST_INPUTS = 1000  # of one source: turns, stops; all second derivatives are carried
 # Spread below this part of a parameter's natural size is rounding of doubles: of a
 # scale factor 1, of an angle 1 rad, of a bias the input it is measured beside.
@@ -120,42 +122,126 @@ def calibration_problem(
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
     schemes = schemes_of(there, procedure, every=every)
-    triads = {
-        one.kind: _triad(one, schemes[one.kind], procedure, rows) for one in there
+    structure = _Structure(
+        key=(
+            procedure,
+            *(reference, every, outputs and tuple(outputs), len(sensors)),
+            *((one.kind, id(schemes[one.kind]), *_design(one)) for one in there),
+            *(
+                row.structure(is_felt=bool(procedure.environment))
+                for row in rows
+                if row.owner in SENSORS
+            ),
+        ),
+        sensors=sensors,
+        there=there,
+        procedure=procedure,
+        rows=rows,
+        schemes=schemes,
+        reference=reference,
+        outputs=outputs,
+        every=every,
+    )
+    frame = _frame(structure)
+    members = structure.members(frame.statistics, only=only)
+    return replace(frame.problem, groups=tuple(group for _, group in members))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Structure:
+    """What is asked of a device; devices that differ in sizes alone have one key.
+
+    Attributes
+    ----------
+    key : tuple
+        Of two that are equal all is the same but the groups of the Problem.
+    sensors, there : tuple of Sensor
+        Those that outputs are of, and all triads.
+    schemes : mapping of str to Scheme
+        Windows and weights of each triad; a key names them by where they are.
+    """
+
+    key: tuple[object, ...]
+    sensors: tuple[Sensor, ...] = field(compare=False)
+    there: tuple[Sensor, ...] = field(compare=False)
+    procedure: Procedure = field(compare=False)
+    rows: Sequence[_Row] = field(compare=False)
+    schemes: Mapping[str, Scheme] = field(compare=False)
+    reference: str = field(compare=False)
+    outputs: Sequence[Name] | None = field(compare=False)
+    every: bool = field(compare=False)
+
+    def triads(self, statistics: Mapping[str, Statistics]) -> dict[str, Triad]:
+        """Return its triads: scheme, lines, what each needs of its noise."""
+        return {
+            one.kind: Triad(
+                scheme=self.schemes[one.kind],
+                given={
+                    line.name: line
+                    for line in (*self.procedure.environment, *one.lines)
+                },
+                statistics=statistics[one.kind],
+            )
+            for one in self.there
+        }
+
+    def members(
+        self, statistics: Mapping[str, Statistics], *, only: frozenset[str] | None
+    ) -> list[tuple[_Row, Group]]:
+        """Return the lines that are inputs, each with its group."""
+        triads = self.triads(statistics)
+        return [
+            (row, row.group(triads, self.procedure, self.reference, only=only))
+            for row in self.rows
+            if row.is_input(triads)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Frame:
+    """What devices of one structure share: all of a Problem but its groups."""
+
+    statistics: Mapping[str, Statistics]
+    problem: Problem
+
+
+@lru_cache(maxsize=FRAMES)
+def _frame(of: _Structure) -> _Frame:
+    """Set up the function and the outputs of a structure."""
+    statistics = {
+        one.kind: _statistics(one, of.schemes[one.kind], of.rows) for one in of.there
     }
-    members = [
-        (row, row.group(triads, procedure, reference, only=only))
-        for row in rows
-        if row.is_input(triads)
-    ]
+    triads = tuple(of.triads(statistics).values())
+    members = of.members(statistics, only=None)
     groups = tuple(group for _, group in members)
     places = tuple(
         (row, place) for (row, _), place in zip(members, arguments(groups), strict=True)
     )
-    known = answered if every else estimated
-    names = [name for sensor in sensors for name in known(sensor.kind, procedure)]
-    made = _outputs_of(sensors, procedure)
+    known = answered if of.every else estimated
+    names = [name for sensor in of.sensors for name in known(sensor.kind, of.procedure)]
+    made = _outputs_of(of.sensors, of.procedure)
     problem = Problem(
         groups=groups,
         outputs=tuple(made[name] for name in names),
         function=Calibration(
             triads=tuple(
                 _calibration(
-                    sensor,
-                    tuple(triads.values()),
-                    number,
-                    places,
-                    reference,
-                    every=every,
+                    sensor, triads, number, places, of.reference, every=of.every
                 )
-                for number, sensor in enumerate(there)
+                for number, sensor in enumerate(of.there)
             ),
-            kinds=tuple(sensor.kind for sensor in sensors),
+            kinds=tuple(sensor.kind for sensor in of.sensors),
         ),
     )
-    if outputs is None:
-        return problem
-    return problem.then(combination(names, outputs), (made[name] for name in outputs))
+    if of.outputs is not None:
+        outputs = [made[name] for name in of.outputs]
+        problem = problem.then(combination(names, of.outputs), outputs)
+    return _Frame(statistics=statistics, problem=problem)
+
+
+def _design(sensor: Sensor) -> tuple[bytes, bytes]:
+    """Return the values of the design that a test starts from, as a key."""
+    return sensor.nominal_bias.tobytes(), sensor.nominal_mounting_angle.tobytes()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -171,6 +257,14 @@ class _Row:
         """Find the source; an unknown one is an error."""
         source = source_of(owner, given.name).meant(given)
         return cls(owner=owner, given=given, source=source)
+
+    def structure(self, *, is_felt: bool) -> tuple[object, ...]:
+        """Return what the function takes of it: a size where coefficients are felt."""
+        given, effect = self.given, self.source.effect
+        size = given.u.tobytes() if is_felt and isinstance(effect, Coefficient) else b""
+        is_there = bool(given.u.any())
+        key = (self.owner, given.name, given.form, given.u.size, is_there)
+        return *key, size, given.horizons
 
     def is_input(self, triads: Mapping[str, Triad]) -> bool:
         """Whether it varies, and there is anything that it may reach.
@@ -268,7 +362,9 @@ def _noise_covariance(
     for axis in range(3 if included and _is_tested(triad) else 0):
         process = effect.process(given, axis, sample_rate)
         place = np.ix_(order[axis], order[axis])
-        covariance[place] = process.reduce(triad.scheme.schedule, weights[axis])
+        covariance[place] = triad.statistics.covariance(
+            process, axis, triad.scheme.schedule
+        )
     return covariance
 
 
@@ -301,10 +397,8 @@ def _is_tested(triad: Triad) -> bool:
     return bool(triad.scheme.schedule.windows)
 
 
-def _triad(
-    sensor: Sensor, scheme: Scheme, procedure: Procedure, rows: list[_Row]
-) -> Triad:
-    """Set up one triad: its scheme, its lines, the statistics that it needs."""
+def _statistics(sensor: Sensor, scheme: Scheme, rows: Sequence[_Row]) -> Statistics:
+    """Return the statistics of its windows that a triad needs of its noise."""
     wanted = [
         weights
         for row in rows
@@ -314,11 +408,7 @@ def _triad(
         and row.given.u.any()
         and (weights := row.source.effect.weights(scheme)) is not None
     ]
-    return Triad(
-        scheme=scheme,
-        given={line.name: line for line in (*procedure.environment, *sensor.lines)},
-        statistics=Statistics.of(scheme, wanted),
-    )
+    return Statistics.of(scheme, wanted)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -543,6 +633,7 @@ class Calibration:
 
     triads: tuple[TriadCalibration, ...]
     kinds: tuple[str, ...]
+    is_steady = True  # the same whenever it is called
 
     def __call__(self, x: Array) -> Array:
         """Return all outputs, shape (n_outputs, trials), for x (n_inputs, trials)."""

@@ -35,6 +35,7 @@ from budget.errors import BudgetError, CallError, WorkerError
 from budget.inputs.tree import LONGEST_SHOWN
 from budget.journal import keep_journal
 from budget.report.rendering import document_date
+from budget.settings import COMPUTED, GOES, JUDGED, USED
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -95,7 +96,8 @@ class _Command(TyperCommand):
                 panel = getattr(parameter, "rich_help_panel", None)
                 title = panel or ("Options" if is_option else "Arguments")
                 groups.setdefault(title, []).append(record)
-        groups["Options"] = groups.pop("Options", [])
+        order = ("Arguments", JUDGED, USED, COMPUTED, GOES)
+        groups = {name: groups.pop(name) for name in order if name in groups} | groups
         for title, records in groups.items():
             with formatter.section(title):
                 formatter.write_dl(records)

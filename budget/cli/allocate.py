@@ -4,51 +4,29 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
 from budget.cli.streams import talk
+from budget.settings import Asked, Engine, Inputs
 
 if TYPE_CHECKING:
     from budget.inputs.records import Sensor
     from budget.names import Name
 
 
+@options.asking("allocate")
 def allocate(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
-    requirement: Annotated[Path, options.REQUIREMENT],
-    procedure: options.ProcedureFile = None,
-    mission: Annotated[Path | None, options.MISSION] = None,
-    calibration: options.Calibration = None,
-    station: options.StationFile = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
-    strategy: Annotated[
-        Literal["equal", "proportional", "cost"] | None,
-        options.computed(
-            case_sensitive=False,
-            help="How limits are shared out (proportional; cost where --costs is).",
-            show_default=False,
-        ),
-    ] = None,
+    inputs: Inputs,
     costs: Annotated[
         Path | None,
         options.computed(
             metavar="FILE", help="Costs file; other specifications have a = p = 1."
-        ),
-    ] = None,
-    fix: Annotated[
-        list[str] | None,
-        options.computed(
-            metavar="SOURCE",
-            autocompletion=options.complete_source,
-            help="Hold this specification, as gyro.bias_stability; may be given again.",
-            show_default=False,
         ),
     ] = None,
     most: Annotated[
@@ -85,16 +63,8 @@ def allocate(
             metavar="FILE.yaml", help="Write the allocated device as a device file."
         ),
     ] = None,
-    seed: options.Seed = 0,
-    no_validate: options.NoValidate = False,
-    accept: options.Accept = "meets",
-    full: options.Full = False,
-    output: Annotated[list[Path] | None, options.OUTPUT] = None,
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    asked: Asked,
+    out: options.Output,
 ) -> None:
     """Find the standard uncertainty that each specification may have.
 
@@ -103,13 +73,8 @@ def allocate(
     the requirement cannot be met.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import (
-        check_destinations,
-        check_yaml,
-        hand_out,
-        pages_asked,
-    )
-    from budget.inputs import load_costs, load_requirement
+    from budget.cli.output import check_files, check_yaml, hand_out, pages_asked
+    from budget.inputs import load_costs
     from budget.question import find_sources, sensors_of, source_names
     from budget.report.allocation.document import allocated_device
     from budget.report.allocation.page import (
@@ -117,71 +82,50 @@ def allocate(
         allocation_document,
     )
     from budget.report.document import json_text, table_csv
-    from budget.report.rendering import check_suffixes
     from budget.studies.allocation.allocate import allocate as run
     from budget.studies.allocation.cases import Bounds
 
-    others = (*(output or ()), *(() if write is None else (write,)))
-    check_suffixes(output or [], paper)
-    check_destinations(
-        json,
-        csv,
-        *others,
-        inputs=[
-            *(devices or ()),
-            *options.calibration_files(calibration, procedure),
-            *(mission, station, requirement, costs),
-        ],
-    )
+    check_files(out, inputs, devices, write, more=[costs])
     check_yaml(write, "device")
-    loaded = options.load_devices(devices, changes)
-    wanted = load_requirement(requirement)
+    loaded = options.load_devices(devices, inputs.changes)
     sensors = sensors_of(loaded)
     bounds = Bounds(
-        held=frozenset(find_sources(fix or (), source_names(sensors), option="--fix")),
+        held=frozenset(find_sources(asked.fix, source_names(sensors), option="--fix")),
         most=_values(sensors, "--max", most or []),
         least=_values(sensors, "--min", least or []),
     )
-    with computing(workers=1, cluster=None) as engine:
+    with computing(Engine()) as engine:
         allocation = run(
             *loaded,
-            requirement=wanted,
-            procedure=procedure,
-            mission=mission,
-            calibration=calibration,
-            station=station,
-            age=age,
-            environment=environment,
-            strategy=strategy,
             costs=None if costs is None else load_costs(costs),
             bounds=bounds,
             market=market,
-            validate=not no_validate,
-            seed=seed,
-            progress=engine.progress,
+            inputs=inputs,
+            asked=asked,
+            engine=engine,
         )
 
     show = partial(
         hand_out,
-        sections=lambda: allocation_answer(allocation, full=full),
+        sections=lambda: allocation_answer(allocation, full=out.full),
         title=allocation.title,
-        language=language,
+        language=out.language,
     )
     make = partial(allocation_document, allocation)
-    written = pages_asked(context, output, paper, language, make)
+    written = pages_asked(context, out, make)
     if write is not None and allocation.feasible:
         written[write] = _read_back(allocated_device(allocation), write)
     documents = (
-        (json, lambda: json_text(allocation.to_dict())),
-        (csv, lambda: table_csv("allotment", allocation.sources)),
+        (out.json, lambda: json_text(allocation.to_dict())),
+        (out.csv, lambda: table_csv("allotment", allocation.sources)),
     )
     if allocation.feasible:
         show(documents, pages=written)
-        if not allocation.is_met(options.accepted(accept)):
+        if not allocation.is_met(options.accepted(out.accept)):
             raise typer.Exit(options.EXIT_NOT_MET)
         return
     show([one for one in documents if one[0] == options.STDOUT], pages=written)
-    if any(path not in {None, options.STDOUT} for path in (json, csv, write)):
+    if any(path not in {None, options.STDOUT} for path in (out.json, out.csv, write)):
         other = "other " if written else ""
         talk(f"the requirement cannot be met: no {other}file was written")
     raise typer.Exit(options.EXIT_NOT_MET)

@@ -10,20 +10,20 @@ import typer
 
 from budget.cli import options
 from budget.cli.streams import in_line, talk, tell
+from budget.settings import UNTESTED, Asked, Engine, Inputs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from budget.inputs.files import NamedFile
     from budget.references.difference import Difference
-    from budget.references.records import Job, Role, StoredInput
+    from budget.references.records import Job, Role, Stored, StoredInput
     from budget.results import InputFile
 
 
 EXIT_MOVED = 1
 EXIT_BAD_INPUT = 2
 SUFFIX = ".json"
-DEVICE = "device"
 
 SchemaKind = Literal[
     "device",
@@ -37,6 +37,7 @@ SchemaKind = Literal[
 ]
 
 
+@options.asking("check")
 def check(
     context: typer.Context,
     names: Annotated[
@@ -66,85 +67,12 @@ def check(
             show_default=False,
         ),
     ] = None,
-    mission: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            help="Mission file; without --procedure after the calibration by the "
-            "maker.",
-            show_default=False,
-        ),
-    ] = None,
-    requirement: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            help="Requirement file; its coverage and error reference rule.",
-            show_default=False,
-        ),
-    ] = None,
-    procedure: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="FILE",
-            help="Procedure file (the paper's); to compare it may be given again.",
-            show_default=False,
-        ),
-    ] = None,
-    station: options.StationFile = None,
-    method: Annotated[
-        Literal["gum", "monte-carlo", "simulation"] | None,
-        typer.Option(
-            case_sensitive=False,
-            help="How uncertainty is propagated (gum, for every kind).",
-            show_default=False,
-        ),
-    ] = None,
-    trials: options.Trials = None,
-    max_trials: options.MaxTrials = None,
-    digits: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=2, help="What adaptive trials make sure (1).", show_default=False
-        ),
-    ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(min=0, metavar="S", help="Of trials (0).", show_default=False),
-    ] = None,
-    coverage: options.Coverage = None,
-    interval: Annotated[
-        Literal["symmetric", "shortest"] | None,
-        typer.Option(
-            case_sensitive=False, help="Of Monte Carlo (symmetric).", show_default=False
-        ),
-    ] = None,
-    reference: options.Reference = None,
-    only: options.Only = None,
-    changes: options.Changes = None,
-    sobol: options.Sobol = False,
-    samples: options.Samples = None,
-    strategy: Annotated[
-        Literal["equal", "proportional", "cost"] | None,
-        typer.Option(
-            case_sensitive=False,
-            help="How an allocation shares limits out (proportional; cost with "
-            "--costs).",
-            show_default=False,
-        ),
-    ] = None,
+    inputs: Inputs,
+    asked: Asked,
     costs: Annotated[
         str | None,
         typer.Option(
             metavar="FILE", help="Costs file of an allocation.", show_default=False
-        ),
-    ] = None,
-    fix: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="SOURCE",
-            help="Specification that an allocation keeps as it is; may be given again.",
-            show_default=False,
         ),
     ] = None,
     root: Annotated[
@@ -158,13 +86,8 @@ def check(
             show_default=False,
         ),
     ] = None,
-    workers: options.Workers = 1,
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
-    output: Annotated[list[Path] | None, options.OUTPUT] = None,
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
+    engine: Engine,
+    out: options.Output,
 ) -> None:
     """Hold stored budgets against their files as they are now.
 
@@ -177,79 +100,36 @@ def check(
     propagation is stored without its check by Monte Carlo, an allocation without its
     correction.
     """
-    from budget.cli.output import pages_asked
-    from budget.report.rendering import check_suffixes
+    from budget.errors import CallError
+    from budget.references.records import Stored
 
-    files: dict[Role, list[str]] = {
-        "device": names or [],
-        "procedure": procedure or [],
-        "station": [str(station)] if station else [],
-        "mission": [mission] if mission else [],
-        "requirement": [requirement] if requirement else [],
-        "costs": [costs] if costs else [],
-    }
-    settings = {
-        "method": method,
-        "trials": trials,
-        "max_trials": max_trials,
-        "digits": digits,
-        "seed": seed,
-        "coverage": coverage,
-        "interval": interval,
-        "reference": reference,
-        "only": tuple(only) if only else None,
-        "samples": _samples(samples, wanted=sobol),
-        "strategy": strategy,
-        "fix": tuple(fix) if fix else None,
-    }
-    given = {name: value for name, value in settings.items() if value is not None}
+    given = Stored.of(asked, inputs)
     if save is not None:
-        documents = (json, csv, *(output or ()))
-        _save(
-            save,
-            kind or ("mission" if mission else "analyze"),
-            files,
-            given,
-            documents,
-            changes=changes or (),
-            workers=workers,
-        )
+        if out.json or out.csv or out.output:
+            raise CallError(
+                "--json, --csv and -o are for checks, a reference is a document "
+                "itself; leave them out"
+            )
+        kind = kind or ("mission" if inputs.mission else "analyze")
+        files = (names or [], inputs)
+        _save(save, kind, given, *files, costs=costs, workers=engine.workers)
         return
-    if given or kind or changes or any(files[role] for role in files if role != DEVICE):
-        from budget.errors import CallError
-
+    if options.given(context, Asked, Inputs) or kind or costs:
         raise CallError(
             "settings are those of the stored references and cannot be given to a "
             "check; leave them out, or store a new reference with --save FILE"
         )
-    check_suffixes(output or [], paper)
-    _check(
-        names or [],
-        root=root,
-        json=json,
-        csv=csv,
-        output=output or [],
-        render=partial(pages_asked, context, output, paper, language),
-        workers=workers,
-        language=language,
-    )
-
-
-def _samples(samples: int | None, *, wanted: bool) -> int | None:
-    """Return the points of Sobol' indices, None where none are wanted."""
-    from budget.methods.sobol import SAMPLES
-
-    return samples or (SAMPLES if wanted else None)
+    _check(context, names or [], out, root=root, workers=engine.workers)
 
 
 def _save(
     path: Path,
     kind: Job,
-    files: dict[Role, list[str]],
-    given: dict[str, Any],
-    documents: tuple[Path | None, ...],
+    given: Stored,
+    devices: list[str],
+    inputs: Inputs,
     *,
-    changes: Sequence[str],
+    costs: str | None,
     workers: int,
 ) -> None:
     """Compute a reference and store it."""
@@ -257,26 +137,23 @@ def _save(
     from budget.errors import CallError, ReferenceFileError
     from budget.references.check import make_reference
     from budget.references.files import with_changes
-    from budget.references.records import Asked
     from budget.references.store import parse_reference, reference_text
     from budget.report.files import write_all
 
-    if any(documents):
-        raise CallError(
-            "--json, --csv and -o are for checks, a reference is a document itself; "
-            "leave them out"
-        )
     if path.suffix.lower() != SUFFIX:
         raise CallError(
             f"--save {path}: a reference ends in {SUFFIX}; give it that name"
         )
-    inputs = [name for names in files.values() for name in names]
-    check_destinations(None, None, path, inputs=inputs)
+    read = [*devices, *inputs.files, costs]
+    check_destinations(None, None, path, inputs=read)
+    if not devices:
+        talk(
+            f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
+            "(Zhao 2019)."
+        )
+    taken = take_all(devices or [None], inputs, costs, folder=path.parent)
     reference = make_reference(
-        kind,
-        with_changes(_take(files, path.parent), changes, job=kind),
-        Asked(**given),
-        workers=workers,
+        kind, with_changes(taken, inputs.changes, job=kind), given, workers=workers
     )
     text = reference_text(reference)
     try:
@@ -290,50 +167,56 @@ def _save(
     talk(f"{in_line(path)}: written, {kind}, {numbers} numbers")
 
 
-def _take(files: dict[Role, list[str]], folder: Path) -> tuple[StoredInput, ...]:
+def take_all(
+    devices: Sequence[str | None],
+    inputs: Inputs,
+    costs: str | None = None,
+    *,
+    folder: Path | None = None,
+) -> tuple[StoredInput, ...]:
     """Read all inputs, or say everything that is wrong in them."""
     from budget.errors import Issue, SpecError
-    from budget.inputs.load import try_all
+    from budget.inputs.load import one_calibration, several, try_all
     from budget.references.files import take, take_procedures
 
-    if not files["device"]:
-        talk(
-            f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
-            "(Zhao 2019)."
-        )
-    inputs: list[StoredInput] = []
+    tests = one_calibration(inputs.calibration, inputs.procedures or inputs.procedure)
+    files: dict[Role, Any] = {
+        "device": devices,
+        "procedure": None if tests in UNTESTED else tests,
+        "station": inputs.station,
+        "mission": inputs.mission,
+        "requirement": inputs.requirement,
+        "costs": costs,
+    }
+    taken: list[StoredInput] = []
     issues: list[Issue] = []
-    for role, names in files.items():
+    for role, given in files.items():
+        names = () if given is None else several(given)
         if role == "procedure":
-            paper: list[str | None] = [] if files["mission"] else [None]
-            wanted: list[list[str | None]] = [[*names] or paper]
+            is_tested = inputs.mission is None and tests is None
+            wanted = [[*names] or ([None] if is_tested else [])]
             sets, wrong = try_all(wanted, partial(take_procedures, folder=folder))
-            inputs += [one for own in sets for one in own]
-            issues += wrong
-            continue
-        usual = [None] if role == "device" else []
-        taken, wrong = try_all(names or usual, partial(take, role, folder=folder))
-        inputs += taken
+            taken += [one for own in sets for one in own]
+        else:
+            found, wrong = try_all(names, partial(take, role, folder=folder))
+            taken += found
         issues += wrong
     if issues:
         raise SpecError(tuple(issues))
-    return tuple(inputs)
+    return tuple(taken)
 
 
 def _check(
+    context: typer.Context,
     names: list[str],
+    out: options.Output,
     *,
     root: Path | None,
-    json: Path | None,
-    csv: Path | None,
-    output: list[Path],
-    render: Callable[..., dict[Path, str | bytes]],
     workers: int,
-    language: str,
 ) -> None:
     """Check references one by one; one that is bad does not stop the others."""
     from budget.cli.computing import progress
-    from budget.cli.output import check_destinations, hand_out
+    from budget.cli.output import check_files, hand_out, pages_asked
     from budget.errors import BudgetError
     from budget.references.check import check as run
     from budget.references.files import find_references, named_reference
@@ -351,7 +234,7 @@ def _check(
             found.extend(find_references(wanted))
         except BudgetError as error:
             errors.append(str(error))
-    check_destinations(json, csv, *output, inputs=[one.path for one in found])
+    check_files(out, Inputs(), more=[one.path for one in found])
     with progress() as show:
         for done, one in enumerate(found, start=1):
             try:
@@ -368,12 +251,12 @@ def _check(
         talk(text)
     hand_out(
         [
-            (json, lambda: json_of((checks, errors), "check")),
-            (csv, lambda: table_csv("moved", moved(checks))),
+            (out.json, lambda: json_of((checks, errors), "check")),
+            (out.csv, lambda: table_csv("moved", moved(checks))),
         ],
         lambda: check_sections(checks, len(errors)),
-        pages=render(partial(check_document, checks, errors, files)),
-        language=language,
+        pages=pages_asked(context, out, partial(check_document, checks, errors, files)),
+        language=out.language,
     )
     if errors:
         raise typer.Exit(EXIT_BAD_INPUT)
@@ -381,12 +264,14 @@ def _check(
         raise typer.Exit(EXIT_MOVED)
 
 
+@options.asking("validate")
 def validate(
     files: Annotated[
         list[str], typer.Argument(metavar="FILE...", help="Files of any kind.")
     ],
     *,
-    changes: options.Changes = None,
+    inputs: Inputs,
+    _out: options.Output,
 ) -> None:
     """Check files and say everything that is wrong in them, with positions."""
     from budget.cli.output import printing
@@ -396,7 +281,7 @@ def validate(
     from budget.language import say
     from budget.studies.verdicts import cautions_of_device
 
-    checked, issues = try_valid(files, changes or ())
+    checked, issues = try_valid(files, inputs.changes)
     for found in checked:
         name = found.file
         with printing():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -20,17 +21,11 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def computing(*, workers: int, cluster: str | None) -> Iterator[Engine]:
+def computing(engine: Engine) -> Iterator[Engine]:
     """Provide workers, local or on a cluster, and a progress bar."""
-    from budget.settings import Engine
-
-    with _place(cluster) as found, progress() as show:
-        yield Engine(
-            executor=None if found is None else found.executor,
-            workers=workers if found is None else found.workers,
-            progress=show,
-            talk=talk,
-        )
+    with _place(engine.cluster) as found, progress() as show:
+        place = {} if found is None else vars(found)
+        yield replace(engine, progress=show, talk=talk, **place)
 
 
 def _place(cluster: str | None) -> AbstractContextManager[Cluster | None]:

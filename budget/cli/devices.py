@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
+from budget.settings import Inputs
 
 
+@options.asking("devices")
 def devices(
     name: Annotated[
         str | None,
@@ -23,8 +25,8 @@ def devices(
     *,
     kind: options.Kinds = None,
     grade: options.Grades = None,
-    changes: options.Changes = None,
-    json: options.JsonFile = None,
+    inputs: Inputs,
+    out: options.Output,
 ) -> None:
     """List the devices that ship, or show every specification value of one.
 
@@ -37,7 +39,7 @@ def devices(
     from budget.report.catalogue import device_sections, list_sections
     from budget.report.document import json_of
 
-    if name is None and changes:
+    if name is None and inputs.changes:
         raise CallError("--set changes a device, and none is named; name one")
     if name is not None and (kind or grade):
         raise CallError(
@@ -47,13 +49,13 @@ def devices(
     if name is None:
         every = options.select_catalogue(kind, grade)
         hand_out(
-            [(json, lambda: json_of(every, "device_list"))],
+            [(out.json, lambda: json_of(every, "device_list"))],
             lambda: list_sections(every),
         )
         return
-    found = load_changed([name], changes or (), variants=True)
+    found = load_changed([name], inputs.changes, variants=True)
     shown = (found[0], "one_device") if len(found) == 1 else (found, "device_list")
     hand_out(
-        [(json, lambda: json_of(*shown))],
+        [(out.json, lambda: json_of(*shown))],
         lambda: chain.from_iterable(map(device_sections, found)),
     )

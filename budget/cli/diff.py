@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Inputs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,7 +18,9 @@ SUFFIX = ".json"
 JOBS: tuple[Job, ...] = ("analyze", "mission")  # of a device, which is computed now
 
 
+@options.asking("diff")
 def diff(
+    context: typer.Context,
     first: Annotated[
         str,
         typer.Argument(
@@ -29,30 +32,9 @@ def diff(
         str, typer.Argument(metavar="B", help="What it is held against; as A.")
     ],
     *,
-    procedure: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            help="Procedure file of the devices (the paper's).",
-            show_default=False,
-        ),
-    ] = None,
-    mission: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            help="Mission file: what the devices do to navigation; without "
-            "--procedure after the calibration by the maker.",
-            show_default=False,
-        ),
-    ] = None,
-    coverage: options.Coverage = None,
-    reference: options.Reference = None,
-    only: options.Only = None,
-    changes: options.Changes = None,
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
-    language: options.Language = "en",
+    inputs: Inputs,
+    asked: Asked,
+    out: options.Output,
 ) -> None:
     """Set two budgets side by side, the largest change first.
 
@@ -68,47 +50,48 @@ def diff(
     --set changes the devices of the call as elsewhere; of a device beside itself it
     changes B: what does this value do?
     """
-    from budget.cli.output import check_destinations, hand_out
+    from budget.cli.output import check_files, hand_out
     from budget.errors import CallError
     from budget.inputs.records import CHANGED
     from budget.references.check import compare_sides, make_reference, side_of
-    from budget.references.records import Asked
+    from budget.references.records import Stored
     from budget.report.document import json_of, table_csv
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
 
-    check_destinations(json, csv, inputs=[first, second, procedure, mission])
+    check_files(out, inputs, (first, second))
     stored = [_reference(name) for name in (first, second)]
-    asked = Asked(coverage=coverage, reference=reference, only=tuple(only or ()))
-    if any(stored) and (procedure or mission or asked != Asked()):
+    given = Stored.of(asked, inputs)
+    stated = options.given(context, Asked, Inputs)
+    own = [f"--{name}" for name in stated if name != "changes"]
+    if any(stored) and own:
         raise CallError(
             "a reference has its own procedure, mission and settings, and a device "
-            "beside it takes them; leave --procedure, --mission, --coverage, "
-            "--reference and --only out"
+            f"beside it takes them; leave {' and '.join(own)} out"
         )
     model = next((one for one in stored if one is not None), None)
-    job = JOBS[mission is not None] if model is None else model.job
+    job = JOBS[inputs.mission is not None] if model is None else model.job
     names = (first, second)
-    inputs = [
-        None if own else _inputs(name, model, procedure, mission)
-        for name, own in zip(names, stored, strict=True)
+    taken = [
+        None if one else _inputs(name, model, inputs)
+        for name, one in zip(names, stored, strict=True)
     ]
-    inputs = _changed(inputs, changes or (), job)
-    settings = asked if model is None else model.settings
+    taken = _changed(taken, inputs.changes, job)
+    settings = given if model is None else model.settings
     sides = []
-    for name, own, given in zip(names, stored, inputs, strict=True):
-        budget = own or make_reference(job, given or (), settings)
-        changed = any(one.changes for one in given or ())
+    for name, one, files in zip(names, stored, taken, strict=True):
+        budget = one or make_reference(job, files or (), settings)
+        changed = any(file.changes for file in files or ())
         shown = f"{name}{CHANGED}" if changed else name
-        sides.append(side_of(budget, name=shown, is_fresh=own is None))
+        sides.append(side_of(budget, name=shown, is_fresh=one is None))
     difference = compare_sides(*sides)
     hand_out(
         [
-            (json, lambda: json_of(difference, "difference")),
-            (csv, lambda: table_csv("moved", moved([difference]))),
+            (out.json, lambda: json_of(difference, "difference")),
+            (out.csv, lambda: table_csv("moved", moved([difference]))),
         ],
         lambda: difference_sections(difference),
-        language=language,
+        language=out.language,
     )
 
 
@@ -127,14 +110,12 @@ def _reference(name: str) -> ReferenceBudget | None:
 
 
 def _inputs(
-    name: str,
-    model: ReferenceBudget | None,
-    procedure: str | None,
-    mission: str | None,
+    name: str, model: ReferenceBudget | None, inputs: Inputs
 ) -> tuple[StoredInput, ...]:
     """Return a device, and what it is calibrated with."""
+    from budget.cli.check import take_all
     from budget.errors import CallError
-    from budget.references.files import take, take_procedures
+    from budget.references.files import take
 
     if model is not None and model.job not in JOBS:
         raise CallError(
@@ -142,13 +123,12 @@ def _inputs(
             "give two references of that kind, or one of kind analyze or mission"
         )
     # Nothing is stored, so paths do not matter.
-    device = take("device", name)
-    if model is None and mission is None:
-        return (device, *take_procedures([procedure]))
     if model is None:
-        given = take_procedures([procedure] if procedure else [])
-        return (device, *given, take("mission", mission))
-    return (device, *(one for one in model.inputs if one.role != "device"))
+        return take_all([name], inputs)
+    return (
+        take("device", name),
+        *(one for one in model.inputs if one.role != "device"),
+    )
 
 
 def _changed(

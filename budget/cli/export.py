@@ -10,6 +10,7 @@ import typer
 
 from budget.cli import options
 from budget.resources import names_in
+from budget.settings import LONGEST_NUMBER, Asked, Inputs
 
 NAMES = tuple(names_in("templates", "export"))
 
@@ -19,7 +20,7 @@ def _target(text: str) -> str:
     name = text.strip().casefold()
     there = names_in("templates", "export")
     if name not in there:
-        shown = text if len(text) <= options.LONGEST_NUMBER else "the text given"
+        shown = text if len(text) <= LONGEST_NUMBER else "the text given"
         raise typer.BadParameter(
             f"{shown!r} is no target; there are: {', '.join(there)}"
         )
@@ -63,14 +64,14 @@ def _number(text: str) -> float | None:
     from budget.units import NUMBER
 
     text = text.strip()
-    short = len(text) <= options.LONGEST_NUMBER
+    short = len(text) <= LONGEST_NUMBER
     return float(text) if short and re.fullmatch(NUMBER, text) else None
 
 
+@options.asking("export")
 def export(
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
     to: Annotated[
         str,
         typer.Option(
@@ -89,11 +90,8 @@ def export(
             "at the next turn-on, in place of the raw specifications.",
         ),
     ] = False,
-    procedure: options.ProcedureFile = None,
-    station: options.StationFile = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
-    missing: options.Missing = "refuse",
+    inputs: Inputs,
+    asked: Asked,
     inflate: Annotated[
         float | None,
         typer.Option(
@@ -122,9 +120,7 @@ def export(
             show_default=False,
         ),
     ] = None,
-    _templates: options.Templates = None,
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    out: options.Output,
 ) -> None:
     """Write the figures of a device as a filter or a simulator reads them.
 
@@ -135,41 +131,35 @@ def export(
     from budget.cli.output import check_destinations, hand_out
     from budget.cli.streams import talk
     from budget.errors import CallError
-    from budget.inputs import load_procedure
     from budget.report.document import json_text, table_csv
     from budget.report.export import export_answer, remarks, write_export
     from budget.studies.export.study import export as export_to
 
-    files = () if output is None else (output,)
-    check_destinations(json, csv, *files, inputs=[*(devices or ()), procedure, station])
-    idle = {
-        "--procedure": procedure,
-        "--station": station,
-        "--age": age,
-        "--environment": environment,
-    }
-    given = next((option for option, value in idle.items() if value), "")
+    check_destinations(
+        *(out.json, out.csv, *(() if output is None else (output,))),
+        inputs=[*(devices or ()), *inputs.files],
+    )
+    idle = ("procedure", "station", "age", "environment")
+    given = next((one for one in idle if getattr(inputs, one)), "")
     if given and not residual:
         raise CallError(
-            f"{given} changes nothing without --residual: the raw figures are those of "
-            "the data sheet; add --residual, or leave it out"
+            f"--{given} changes nothing without --residual: the raw figures are those "
+            "of the data sheet; add --residual, or leave it out"
         )
-    loaded = options.load_devices(devices, changes)
-    how = load_procedure(procedure, station=station, age=age, environment=environment)
     found = export_to(
-        *loaded,
+        *options.load_devices(devices, inputs.changes),
         to=to,
-        procedure=how if residual else None,
         residual=residual,
         inflate=1.0 if inflate is None else inflate,
         rate=rate,
-        missing=missing,
+        inputs=inputs,
+        asked=asked,
     )
     documents = [
-        (json, lambda: json_text(found.to_dict())),
-        (csv, lambda: table_csv("exported", found.rows)),
+        (out.json, lambda: json_text(found.to_dict())),
+        (out.csv, lambda: table_csv("exported", found.rows)),
     ]
-    on_stdout = options.STDOUT in {json, csv}
+    on_stdout = options.STDOUT in {out.json, out.csv}
     if output is None and not on_stdout:
         for text in remarks(found):
             talk(text)

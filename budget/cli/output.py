@@ -30,8 +30,10 @@ if TYPE_CHECKING:
 
     import typer
 
+    from budget.cli.options import Output
     from budget.report.blocks import Document, Section
     from budget.results import Budget
+    from budget.settings import Inputs
 
 
 def check_destinations(
@@ -63,6 +65,31 @@ def check_destinations(
         if name is not None:
             note_read(find(name).path)
     check_targets(path for path in (json, csv, *others) if path and path != STDOUT)
+
+
+def check_files(
+    out: Output,
+    inputs: Inputs,
+    devices: Iterable[str] | None = None,
+    *others: Path | None,
+    more: Iterable[str | Path | None] = (),
+) -> None:
+    """Refuse outputs that cannot be; as check_destinations, with pages.
+
+    `others` are written besides, `more` are read.
+
+    Raises
+    ------
+    CallError
+        A page has another suffix.
+    """
+    if out.output:
+        from budget.report.rendering import check_suffixes
+
+        check_suffixes(out.output, out.paper)
+    written = [one for one in (*out.output, *others) if one is not None]
+    read = [*(devices or ()), *more, *inputs.files]
+    check_destinations(out.json, out.csv, *written, inputs=read)
 
 
 @contextmanager
@@ -122,13 +149,7 @@ def print_page(sections: Iterable[Section], *, title: str = "") -> None:
 
 
 def deliver(
-    budget: Budget,
-    *,
-    json: Path | None,
-    csv: Path | None,
-    full: bool = False,
-    pages: Mapping[Path, str | bytes] | None = None,
-    language: str = ENGLISH,
+    budget: Budget, out: Output, *, pages: Mapping[Path, str | bytes] | None = None
 ) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
@@ -138,13 +159,15 @@ def deliver(
         from budget.report.analysis.mission import mission_answer
 
         answer = budget_answer if budget.mission is None else mission_answer
-        return answer(budget, full=full)
+        return answer(budget, full=out.full)
 
-    if csv == STDOUT:  # the only output that has no room for them
+    if out.csv == STDOUT:  # the only output that has no room for them
         for text in budget.warnings:
             talk(f"warning: {text}")
-    documents = [(json, lambda: to_json(budget)), (csv, lambda: to_csv(budget))]
-    hand_out(documents, sections, title=budget.title, pages=pages, language=language)
+    documents = [(out.json, lambda: to_json(budget)), (out.csv, lambda: to_csv(budget))]
+    hand_out(
+        documents, sections, title=budget.title, pages=pages, language=out.language
+    )
 
 
 def check_yaml(write: Path | None, kind: str) -> None:
@@ -176,11 +199,7 @@ def pages_of(
 
 
 def pages_asked(
-    context: typer.Context,
-    paths: Sequence[Path] | None,
-    paper: str,
-    language: str,
-    make: Callable[..., Document],
+    context: typer.Context, out: Output, make: Callable[..., Document]
 ) -> dict[Path, str | bytes]:
     """Return the contents of the files that were asked for, none where there are none.
 
@@ -188,11 +207,11 @@ def pages_asked(
     """
     from budget.report.rendering import document_date
 
-    if not paths:
+    if not out.output:
         return {}
-    with speaking(language):
+    with speaking(out.language):
         made = make(date=document_date(), command_line=command_line(context))
-    return pages_of(made, paths, paper)
+    return pages_of(made, out.output, out.paper)
 
 
 # Where results go, on what sheets, and who computes them changes no number.

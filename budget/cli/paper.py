@@ -2,55 +2,45 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
+
+import typer  # noqa: TC002 - typer reads the annotations
 
 from budget.cli import options
 
+if TYPE_CHECKING:
+    from budget.report.blocks import Document
 
-def paper(
-    *,
-    output: Annotated[list[Path] | None, options.OUTPUT] = None,
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
-    language: options.Language = "en",
-) -> None:
+
+@options.asking("paper")
+def paper(context: typer.Context, *, out: options.Output) -> None:
     """Compute section 3 of Zhao 2019 again, with a verdict for every number in it.
 
     Table 1, the figures, the orders of magnitude in the text, the formulas and the
     conclusions: what is printed, ours, their ratio, and why they differ.
     """
-    from budget.cli.output import (
-        check_destinations,
-        hand_out,
-        pages_of,
-    )
+    from budget.cli.output import check_files, hand_out, pages_asked
     from budget.language import say, speaking
     from budget.report.document import json_text, table_csv
-    from budget.report.rendering import check_suffixes, document_date
+    from budget.settings import Inputs
     from zhao_2019.page import paper_document, paper_sections
     from zhao_2019.study import reproduce
 
-    check_destinations(json, csv, *(output or ()))
-    pages = output or []
-    check_suffixes(pages, paper)
-    study = reproduce()
+    def make(*, date: str, command_line: str) -> Document:
+        del command_line  # one for all who compute it
+        return paper_document(study, date=date)
 
-    rendered: dict[Path, str | bytes] = {}
-    with speaking(language):
+    check_files(out, Inputs())
+    study = reproduce()
+    with speaking(out.language):
         title = say(study.paper.title)
-        document = paper_document(study, date=document_date()) if pages else None
-    if document is not None:
-        rendered = pages_of(document, pages, paper)
     hand_out(
         [
-            (json, lambda: json_text(study.to_dict())),
-            (csv, lambda: table_csv("finding", study.findings)),
+            (out.json, lambda: json_text(study.to_dict())),
+            (out.csv, lambda: table_csv("finding", study.findings)),
         ],
-        None if pages else lambda: paper_sections(study),
+        None if out.output else lambda: paper_sections(study),
         title=title,
-        pages=rendered,
-        language=language,
+        pages=pages_asked(context, out, make),
+        language=out.language,
     )

@@ -3,48 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Engine, Inputs
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from budget.inputs.records import Device, Mission, Procedure, Requirement
+    from budget.inputs.records import Device
     from budget.question import Question
     from budget.report.analysis.build import Extra
     from budget.report.analysis.what_if import AnalyzeAgain
     from budget.results import Budget
-    from budget.settings import Engine
 
 
 BESIDE = frozenset({"compare", "allocate", "number"})  # the budget
 OF_MISSION = frozenset({"mission", "at"})  # which analyze takes in place of a test
 
 
-@options.spell_out
+@options.asking("report")
 def report(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
-    output: Annotated[list[Path], options.OUTPUT],
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
-    calibration: options.Calibration = None,
-    procedure: options.ProcedureFile = None,
-    station: options.StationFile = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
-    requirement: options.RequirementFile = None,
-    mission: Annotated[Path | None, options.MISSION] = None,
-    at: options.At = None,
-    asked: options.Asked,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     compare: Annotated[
         list[str] | None,
         typer.Option(
@@ -62,15 +49,13 @@ def report(
             "(proportional).",
         ),
     ] = False,
-    full: options.Full = False,
     number: Annotated[
         str,
         typer.Option(
             metavar="TEXT", help="Number of the report, printed under its title."
         ),
     ] = "",
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    out: options.Output,
 ) -> None:
     """Write the error budget as a report: verdict first, then its basis.
 
@@ -79,44 +64,25 @@ def report(
     that change the sources.
     """
     from budget.cli.computing import computing
-    from budget.cli.output import (
-        check_destinations,
-        command_line,
-        hand_out,
-        pages_of,
-    )
+    from budget.cli.output import check_files, command_line, hand_out, pages_of
     from budget.errors import CallError
     from budget.inputs import (
         load_all,
-        load_calibration,
-        load_mission,
-        load_requirement,
     )
     from budget.language import speaking
     from budget.question import choose_times
     from budget.report.analysis.build import report_document
     from budget.report.document import to_csv
-    from budget.report.rendering import check_suffixes, document_date
+    from budget.report.rendering import document_date
     from budget.studies.analysis import analyze_as
     from budget.studies.evidence import gather_evidence
 
-    check_suffixes(output, paper)
     date = document_date()
-    check_destinations(
-        json,
-        csv,
-        *output,
-        inputs=[
-            *(devices or ()),
-            *(compare or ()),
-            *options.calibration_files(calibration, procedure),
-            *(station, requirement, mission),
-        ],
-    )
+    check_files(out, inputs, devices, more=compare or ())
     _check_extras(
-        requirement, allocate=allocate, compare=bool(compare), only=bool(asked.only)
+        inputs, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
-    if at and mission is None:
+    if inputs.at and inputs.mission is None:
         raise CallError("--at is a time of a mission: name one with --mission")
     if allocate and asked.missing != "refuse":
         raise CallError(
@@ -124,33 +90,22 @@ def report(
             f"{asked.missing} puts others beside them: one report would hold two "
             "budgets; write two"
         )
-    loaded = options.load_devices(devices, changes)
-    wanted = None if requirement is None else load_requirement(requirement)
-    route = None if mission is None else load_mission(mission)
-    settings = asked.settings(None)
-    question = _asked(
-        loaded,
-        partial(load_calibration, station=station, age=age, environment=environment),
-        calibration,
-        procedure,
-        requirement=wanted,
-        mission=route,
-        coverage=asked.coverage,
-        reference=asked.reference,
-        only=settings.only,
-        outputs=settings.outputs,
-        missing=asked.missing,
+    loaded = options.load_devices(devices, inputs.changes)
+    inputs = replace(inputs, requirement=inputs.required, mission=inputs.journey)
+    question = _asked(loaded, inputs, asked)
+    settings, route = asked.settle(), inputs.journey
+    times = (
+        () if route is None else choose_times(route, inputs.at, question.requirement)
     )
-    times = () if route is None else choose_times(route, at or (), wanted)
     others = load_all(compare or [])
-    with computing(workers=asked.workers, cluster=asked.cluster) as engine:
-        budget = analyze_as(settings, question, engine=engine, command="report")
+    with computing(engine) as place:
+        budget = analyze_as(settings, question, engine=place, command="report")
         carried = None
         if route is not None:
             carried = analyze_as(
                 replace(settings, matrices=False),
                 question.carry(times, settings.only),
-                engine=engine,
+                engine=place,
                 command="mission",
             )
         evidence = gather_evidence(
@@ -158,9 +113,9 @@ def report(
             budget,
             budget.assessment,
             carried=carried,
-            full=full,
+            full=out.full,
         )
-        with speaking(language):
+        with speaking(out.language):
             extras = (
                 *(() if carried is None else (_mission_extra(carried),)),
                 *_extras(
@@ -168,12 +123,12 @@ def report(
                     others,
                     with_allocation=allocate,
                     seed=settings.seed,
-                    engine=engine,
+                    engine=place,
                 ),
             )
-        show = engine.stage("figures and pages") or (lambda _, __: None)
+        show = place.stage("figures and pages") or (lambda _, __: None)
         show(0, 1)
-        with speaking(language):
+        with speaking(out.language):
             document = report_document(
                 budget,
                 devices=question.devices,
@@ -191,24 +146,15 @@ def report(
                 ),
                 date=date,
                 number=number,
-                full=full,
+                full=out.full,
             )
-        files = pages_of(document, output, paper)
+        files = pages_of(document, out.output, out.paper)
         show(1, 1)
-    documents = [(json, lambda: document.json), (csv, lambda: to_csv(budget))]
+    documents = [(out.json, lambda: document.json), (out.csv, lambda: to_csv(budget))]
     hand_out(documents, pages=files)
 
 
-def _asked(
-    devices: tuple[Device, ...],
-    load: Callable[..., Procedure],
-    calibration: str | None,
-    procedure: Path | None,
-    *,
-    requirement: Requirement | None,
-    mission: Mission | None,
-    **asked: Any,  # noqa: ANN401 - of Question.of
-) -> Question:
+def _asked(devices: tuple[Device, ...], inputs: Inputs, asked: Asked) -> Question:
     """Return the calibration whose budget it is, and what it leaves on the mission.
 
     It is the paper's test where the unit on the mission is as its maker calibrated it,
@@ -217,17 +163,23 @@ def _asked(
     from budget.inputs.records import UNCALIBRATED
     from budget.question import Question
 
-    own = load(calibration, procedure, mission=mission, requirement=requirement)
-    is_tested = mission is None or own.formulas not in UNCALIBRATED
+    wanted, route, settings = inputs.required, inputs.journey, asked.settle()
+    own = inputs.calibrated(mission=route, requirement=wanted)
+    is_tested = route is None or own.formulas not in UNCALIBRATED
+    paper = replace(inputs, calibration=None, procedure=None)
     question = Question.of(
         *devices,
-        procedure=own if is_tested else load(),
+        procedure=own if is_tested else paper.calibrated(),
         on_mission=own,
-        requirement=requirement,
-        mission=mission,
-        **asked,
+        requirement=wanted,
+        mission=route,
+        coverage=asked.coverage,
+        reference=asked.reference,
+        only=settings.only,
+        outputs=settings.outputs,
+        missing=asked.missing,
     )
-    return question if requirement is None else question.whole()
+    return question if wanted is None else question.whole()
 
 
 def _again(
@@ -270,9 +222,7 @@ def _mission_extra(carried: Budget) -> Extra:
     )
 
 
-def _check_extras(
-    requirement: Path | None, *, allocate: bool, compare: bool, only: bool
-) -> None:
+def _check_extras(inputs: Inputs, *, allocate: bool, compare: bool, only: bool) -> None:
     """Refuse what needs limits or every source, where they are not there.
 
     Raises
@@ -291,7 +241,7 @@ def _check_extras(
         )
         if asked
     ]
-    if wants and requirement is None:
+    if wants and inputs.requirement is None:
         raise CallError(f"{' and '.join(wants)}: give them with --requirement")
     if wants and only:
         raise CallError(
@@ -322,7 +272,7 @@ def _extras(
         return
     is_carried = MISSION in requirement.kinds
     if with_allocation:
-        allotted = allocate_as(question, seed=seed, progress=engine.progress)
+        allotted = allocate_as(question, Asked(seed=seed), engine=engine)
         yield Extra.of("allocation", allotted, (allocation_section(allotted),))
     if others:
         compared = compare(

@@ -6,11 +6,12 @@ import re
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from budget.cli import options
+from budget.settings import Asked, Inputs
 
 _NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
 _RATIO = re.compile(rf"({_NUMBER})(?: *: *1)?")
@@ -46,16 +47,13 @@ def _guard(text: str) -> float:
     return value
 
 
+@options.asking("station")
 def station(
     context: typer.Context,
     devices: options.Devices = None,
     *,
-    changes: options.Changes = None,
-    requirement: Annotated[Path, options.REQUIREMENT],
-    procedure: options.ProcedureFile = None,
-    calibration: options.Calibration = None,
-    age: options.Age = None,
-    environment: options.Environment = None,
+    inputs: Inputs,
+    asked: Asked,
     ratio: Annotated[
         float | None,
         options.judged(
@@ -75,14 +73,6 @@ def station(
             show_default=False,
         ),
     ] = None,
-    strategy: Annotated[
-        Literal["equal", "proportional"],
-        options.computed(
-            case_sensitive=False,
-            help="How figures share the limits: in equal parts, or in proportion to "
-            "the procedure's own station.",
-        ),
-    ] = "equal",
     stations: Annotated[
         list[Path] | None,
         options.judged(
@@ -100,30 +90,18 @@ def station(
             help="Write what the figures may be together as a station file.",
         ),
     ] = None,
-    full: options.Full = False,
-    output: Annotated[list[Path] | None, options.OUTPUT] = None,
-    paper: options.Paper = "a4",
-    _templates: options.Templates = None,
-    language: options.Language = "en",
-    json: options.JsonFile = None,
-    csv: options.CsvFile = None,
+    out: options.Output,
 ) -> None:
     """Say how good each figure of a test station must be, and which station will do.
 
     The station's part is to be at most 1/N of each limit. Exit code 1 if no station
     does, that of the procedure among them.
     """
-    from budget.cli.output import (
-        check_destinations,
-        check_yaml,
-        hand_out,
-        pages_asked,
-    )
+    from budget.cli.output import check_files, check_yaml, hand_out, pages_asked
     from budget.errors import SpecError
-    from budget.inputs import load_requirement, load_station, load_stations
+    from budget.inputs import load_station, load_stations
     from budget.inputs.load import try_all
     from budget.report.document import json_text, table_csv
-    from budget.report.rendering import check_suffixes
     from budget.report.stations import (
         station_answer,
         station_document,
@@ -131,46 +109,31 @@ def station(
     )
     from budget.studies.stations import GUARD, RATIO, qualify
 
-    others = (*(output or ()), *(() if write is None else (write,)))
     given = stations or []
-    check_suffixes(output or [], paper)
-    check_destinations(
-        json,
-        csv,
-        *others,
-        inputs=[
-            *(devices or ()),
-            *options.calibration_files(calibration, procedure),
-            *(requirement, *given),
-        ],
-    )
+    check_files(out, inputs, devices, write, more=given)
     check_yaml(write, "station")
     more, issues = try_all(given, load_station)
     if issues:
         raise SpecError(tuple(issues))
     found = qualify(
-        *options.load_devices(devices, changes),
-        requirement=load_requirement(requirement),
-        procedure=procedure,
-        calibration=calibration,
-        age=age,
-        environment=environment,
+        *options.load_devices(devices, inputs.changes),
         ratio=RATIO if ratio is None else ratio,
         guard=GUARD if guard is None else guard,
-        strategy=strategy,
         stations=(*load_stations(), *more),
+        inputs=inputs,
+        asked=asked,
     )
     written = {} if write is None else {write: station_yaml(found)}
     make = partial(station_document, found)
     hand_out(
         (
-            (json, lambda: json_text(found.to_dict())),
-            (csv, lambda: table_csv("station_figure", found.figures)),
+            (out.json, lambda: json_text(found.to_dict())),
+            (out.csv, lambda: table_csv("station_figure", found.figures)),
         ),
-        lambda: station_answer(found, full=full),
+        lambda: station_answer(found, full=out.full),
         title=found.title,
-        pages=written | pages_asked(context, output, paper, language, make),
-        language=language,
+        pages=written | pages_asked(context, out, make),
+        language=out.language,
     )
     if not found.doing:
         raise typer.Exit(options.EXIT_NOT_MET)

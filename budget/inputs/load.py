@@ -322,12 +322,7 @@ def load_calibration(
     SpecError
         As of load_procedure.
     """
-    if calibration is not None and procedure is not None:
-        raise CallError(
-            f"calibration {_said(calibration)} and procedure {_said(procedure)} both "
-            "say what calibrated the unit; leave one out"
-        )
-    given = procedure if calibration is None else calibration
+    given = one_calibration(calibration, procedure)
     limited = () if requirement is None else requirement.kinds
     if given is None and mission is not None and {*limited} <= {MISSION}:
         given = FACTORY
@@ -336,6 +331,24 @@ def load_calibration(
     if isinstance(calibration, str | Path):
         refuse_absent(find(calibration, "procedure"), "procedure", UNCALIBRATED)
     return load_procedure(given, station=station, age=age, environment=environment)
+
+
+def one_calibration(calibration: Any, procedure: Any) -> Any:  # noqa: ANN401 - or several
+    """Return what calibrated a unit, of the two that may say it.
+
+    Raises
+    ------
+    CallError
+        Both do.
+    """
+    given = [one for one in (calibration, procedure) if one is not None and one != ()]
+    if len(given) > 1:
+        first, second = map(_said, given)
+        raise CallError(
+            f"calibration {first} and procedure {second} both say what calibrated the "
+            "unit; leave one out"
+        )
+    return given[0] if given else None
 
 
 def _said(given: Procedure | File) -> str:

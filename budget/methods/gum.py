@@ -23,6 +23,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.names import Name
-    from budget.problem import Output, Problem
+    from budget.problem import Function, Output, Problem
 
 
 ROUNDING = 1e-9  # [1], relative, of effective degrees of freedom
@@ -275,12 +276,53 @@ def derivatives(problem: Problem) -> Expansion:
     """
     # Derivatives by the function's arguments; inputs of a pool share them.
     point = problem.add_up(problem.mean[:, None])[:, 0]
-    taylor = expand(problem.components, point)
+    if getattr(problem.function, "is_steady", False):
+        kept = _KEPT.setdefault(problem.function, {})
+        if (key := point.tobytes()) not in kept:
+            kept[key] = _Thin.of(expand(problem.components, point))
+        taylor = kept[key].whole
+    else:
+        taylor = expand(problem.components, point)
     columns = problem.columns
     C, H = taylor.C[:, columns], taylor.H[:, columns[:, None], columns]
     refuse_no_number(problem, "value", taylor.value)
     refuse_no_number(problem, "derivative", C, H)
     return Expansion(value=taylor.value, C=C, H=H)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Thin:
+    """An expansion without the zeros of its second derivatives, which most of it is."""
+
+    value: Array
+    C: Array
+    shape: tuple[int, ...]
+    places: NDArray[np.intp]
+    second: Array
+
+    @classmethod
+    def of(cls, taylor: Expansion) -> _Thin:
+        """Leave the zeros out."""
+        places = np.flatnonzero(taylor.H)
+        return cls(
+            value=taylor.value,
+            C=taylor.C,
+            shape=taylor.H.shape,
+            places=places,
+            second=taylor.H.ravel()[places],
+        )
+
+    @property
+    def whole(self) -> Expansion:
+        """The expansion with them."""
+        H = np.zeros(self.shape)
+        H.ravel()[self.places] = self.second
+        return Expansion(value=self.value, C=self.C, H=H)
+
+
+# By functions that are the same whenever they are called, for as long as these are
+# there: devices of one structure have one function.
+_KEPT: WeakKeyDictionary[Function, dict[bytes, _Thin]] = WeakKeyDictionary()
 
 
 def covariance_by_source(problem: Problem, law: Propagation | Expansion) -> Array:

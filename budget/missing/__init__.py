@@ -212,6 +212,12 @@ def comparable(
     ]
 
 
+@cache
+def usual_line(name: Name) -> ErrorLine:
+    """Return what stands for an expected line, of 1 in its most usual unit."""
+    return line_of(stand_in(name), name.owner)
+
+
 def line_of(
     source: Source, kind: str, u: float | None = None, *, meaning: str = "1 sigma"
 ) -> ErrorLine:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from budget.documents import written
@@ -95,6 +96,7 @@ def completeness(sensor: Sensor) -> Completeness:
     )
 
 
+@lru_cache(maxsize=1024)
 def family(technology: str) -> str:
     """Return 'mems' of 'MEMS, Z axis' and 'bulk MEMS'; '' where nothing is said."""
     text = technology.casefold()

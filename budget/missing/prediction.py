@@ -214,13 +214,12 @@ class _Member:
     @classmethod
     def of(cls, device: Device, catalogue: Sequence[Device]) -> _Member:
         """Find its design; out of another file it is no other witness of itself."""
-        same = [one for one in catalogue if one.as_printed == device.as_printed]
+        by_name, by_design = _sorted(tuple(catalogue))
+        same = by_name.get(device.as_printed, [])
         if same:
             device = replace(device, origin=same[0].origin)
         design = _design(device)
-        variants = [
-            one for one in catalogue if _design(one) == design and one not in same
-        ]
+        variants = [one for one in by_design.get(design, []) if one not in same]
         stands = bool(variants or figures_of(device))
         is_there = [figures_of(one) for one in same] == [figures_of(device)]
         left = [
@@ -284,6 +283,8 @@ class Design:
     ----------
     figures : sequence of LogLine
         Of one design.
+    technology, name : str
+        The design stands for its technology where nobody knows that.
     number : ndarray, shape (q,)
         Of figures of each line.
     middle : ndarray, shape (q,)
@@ -297,6 +298,7 @@ class Design:
         self, figures: Sequence[LogLine], lines: Sequence[str], origin: Array
     ) -> None:
         self.figures = figures
+        self.technology, self.name = figures[0].groups[: DESIGN + 1]
         Z = _same([each.line for each in figures], lines)
         self.number = Z.sum(axis=0)
         y = np.array([each.log_u for each in figures]) - Z @ origin
@@ -306,16 +308,6 @@ class Design:
         self.forms = np.stack(
             [Z.T @ inverse @ Z, Z.T @ inverse @ of_y, of_y.T @ inverse @ of_y]
         )
-
-    @property
-    def name(self) -> str:
-        """Name of the design."""
-        return self.figures[0].groups[DESIGN]
-
-    @property
-    def technology(self) -> str:
-        """Its technology; the name of the design where nobody knows it."""
-        return self.figures[0].groups[0]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -497,6 +489,7 @@ class Others:
         """Fit at once what is of one technology, or of none that others are of."""
         own = [Design(each, self.lines, self.origin) for each in members if each]
         every = [(*self.designs, *own[k : k + 1]) for k in range(len(members))]
+        names = [one.name for one in self.designs]
         slots = [*dict.fromkeys(one.technology for one in self.designs)]
         slot = [slots.index(one.technology) for one in self.designs]
         if own:
@@ -504,12 +497,9 @@ class Others:
             slot.append(slots.index(word) if word in slots else len(slots))
         order = np.argsort(slot, kind="stable")
         # What a member has in the place of a design of the others.
-        replaced = np.array(
-            [[one.name == each[-1].name for one in each] for each in every]
-        )
-        replaced[:, -1] = False
-        if not own:
-            replaced[:] = False
+        replaced = np.zeros((len(members), len(slot)), dtype=bool)
+        for k, one in enumerate(own):
+            replaced[k, : len(names)] = [name == one.name for name in names]
         sums = _Sums(
             number=self._stacked("number", own, replaced)[:, order],
             middle=self._stacked("middle", own, replaced)[:, order],
@@ -726,6 +716,19 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
         device=device.name,
         log_u=log_u,
     )
+
+
+@lru_cache(maxsize=2)
+def _sorted(
+    devices: tuple[Device, ...],
+) -> tuple[dict[str, list[Device]], dict[str, list[Device]]]:
+    """Return devices by the name on their sheet, and by their design."""
+    by_name: dict[str, list[Device]] = {}
+    by_design: dict[str, list[Device]] = {}
+    for one in devices:
+        by_name.setdefault(one.as_printed, []).append(one)
+        by_design.setdefault(_design(one), []).append(one)
+    return by_name, by_design
 
 
 @lru_cache(maxsize=2)

@@ -86,6 +86,16 @@ class Process(Protocol):
         ...
 
 
+def of_size_1(process: Process) -> tuple[float, Process]:
+    """Return the size of a process, the first thing it is given, and it at size 1 SI.
+
+    Its covariance is that of size 1 times the square of the size.
+    """
+    size, *more = vars(process).values()
+    made: Callable[..., Process] = type(process)
+    return size, made(1.0, *more)
+
+
 class _InRows(ABC):
     """A process whose covariance is made of some of its rows at a time."""
 

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from budget.arrays import Array
+from budget.model.noise import of_size_1
 from budget.model.response import STATISTICS
 from budget.names import AXES
 
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from budget.model.place import Place
     from budget.model.response import Truth
     from budget.model.scheme import Scheme
-    from budget.model.windows import Timing, Window
+    from budget.model.windows import Schedule, Timing, Window
 
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
 STATION, ENVIRONMENT = "station", "environment"
@@ -150,6 +151,20 @@ class Statistics:
 
     weights: Array
     own: Array | None = None
+    # Covariances that processes of size 1 give them, by axis.
+    _kept: dict[tuple[Process, int], Array] = field(default_factory=dict, repr=False)
+
+    def covariance(self, process: Process, axis: int, schedule: Schedule) -> Array:
+        """Return what a process gives them on an axis, shape (k, k) [SI squared].
+
+        It goes with the square of its size: devices of one schedule share the rest.
+        """
+        size, alike = of_size_1(process)
+        if (alike, axis) not in self._kept:
+            if len(self._kept) >= MOST_KEPT:
+                self._kept.clear()
+            self._kept[alike, axis] = alike.reduce(schedule, self.weights[axis])
+        return np.asarray(size**2 * self._kept[alike, axis])
 
     @classmethod
     def of(cls, scheme: Scheme, more: list[Array]) -> Statistics:
@@ -172,6 +187,7 @@ class Statistics:
         return R
 
 
+MOST_KEPT = 256  # covariances of processes of size 1, of one calibration
 DEPENDENT = 1e-9  # part of a row that may be left of it if it follows from others [1]
 
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.tree import YamlFile
     from budget.references.difference import Move
-    from budget.references.records import Asked, Item, Job, Snapshot, StoredInput
+    from budget.references.records import Item, Job, Snapshot, Stored, StoredInput
 
 MOST_CHANGES = 200  # keys that are exchanged one by one; more is another file
 # What takes the place of causes where the stored inputs cannot be read.
@@ -57,7 +57,7 @@ class ReadBudget:
     is_fresh: bool = False  # just computed of these inputs, not stored some time ago
 
     def again(
-        self, asked: Asked | None = None, inputs: tuple[YamlFile, ...] | None = None
+        self, asked: Stored | None = None, inputs: tuple[YamlFile, ...] | None = None
     ) -> Snapshot | None:
         """Compute it with other settings or inputs; None where these are not sound."""
         own = self.budget.settings
@@ -70,7 +70,7 @@ class ReadBudget:
 
 
 def make_reference(
-    job: Job, inputs: Sequence[StoredInput], asked: Asked, *, workers: int = 1
+    job: Job, inputs: Sequence[StoredInput], asked: Stored, *, workers: int = 1
 ) -> ReferenceBudget:
     """Compute a reference from its inputs.
 
@@ -303,7 +303,7 @@ def _changes(
     )
 
 
-def _words(asked: Asked) -> dict[str, str]:
+def _words(asked: Stored) -> dict[str, str]:
     """Write settings."""
     return {
         name: ", ".join(value)

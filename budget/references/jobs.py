@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import CallError
 from budget.inputs.costs import read_costs
 from budget.inputs.device import read_device
-from budget.inputs.load import uncalibrated
+from budget.inputs.load import load_calibration
 from budget.inputs.mission import read_mission
 from budget.inputs.procedure import read_procedure
 from budget.inputs.requirement import read_requirement
@@ -26,9 +26,10 @@ from budget.question import (
     source_names,
 )
 from budget.references.quantities import device_of, snapshot_of
-from budget.references.records import FILES, JOBS, Asked, files_fault
+from budget.references.records import FILES, JOBS, STORED, Stored, files_fault
 from budget.references.sampling import standard_errors
 from budget.results import BY_TRIALS
+from budget.settings import Use, rows
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.cases import Bounds
 from budget.studies.analysis import analyze
@@ -43,23 +44,12 @@ if TYPE_CHECKING:
     from budget.references.records import Snapshot
     from budget.results import Budget
 
-# Which settings mean something to which job; the others must stay as they are.
-SETTINGS = {
-    "analyze": (
-        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
-        *("reference", "only", "samples"),
-    ),
-    "mission": (
-        *("method", "trials", "max_trials", "digits", "seed", "coverage", "interval"),
-        *("only", "samples"),
-    ),
-    "compare": ("method", "trials", "max_trials", "seed"),
-    "allocate": ("strategy", "fix"),
-}
+# What means nothing to a job here: an allocation is stored without its correction.
+IDLE = {"allocate": {"seed"}}
 _NAMES = {"samples": "sobol and --samples", "max_trials": "max-trials"}
 
 
-def check_asked(job: str, asked: Asked) -> None:
+def check_asked(job: str, asked: Stored) -> None:
     """Refuse settings that mean nothing to a job.
 
     Raises
@@ -69,11 +59,12 @@ def check_asked(job: str, asked: Asked) -> None:
     """
     if job not in JOBS:
         raise CallError(f"kind is {job!r}, allowed: {', '.join(JOBS)}")
-    plain = Asked()
+    usual = Stored()
+    means = rows(Stored, job).keys() - IDLE.get(job, set())
     strange = [
         f"--{_NAMES.get(name, name)}"
-        for name in Asked.__dataclass_fields__
-        if name not in SETTINGS[job] and getattr(asked, name) != getattr(plain, name)
+        for name in STORED
+        if name not in means and getattr(asked, name) != getattr(usual, name)
     ]
     if strange:
         raise CallError(
@@ -83,7 +74,7 @@ def check_asked(job: str, asked: Asked) -> None:
 
 
 def compute(
-    job: str, inputs: Sequence[YamlFile], asked: Asked, *, workers: int = 1
+    job: str, inputs: Sequence[YamlFile], asked: Stored, *, workers: int = 1
 ) -> Snapshot:
     """Do a job on its inputs, devices first, in the order they were given.
 
@@ -117,22 +108,28 @@ def compute(
     fault = files_fault(job, [one.kind for one in inputs])
     if fault:
         raise CallError(f"found {fault}; give as many, or take another --kind")
-    if mission is not None:
-        procedures = procedures or [uncalibrated("factory")]
-        for one in limits:
-            refuse_unjudged(one, mission, procedures[0])
+    with_maker = mission is not None and not procedures
+    procedures = [
+        load_calibration(
+            asked.calibration or ("factory" if with_maker else None),
+            one,
+            age=asked.age,
+            environment=asked.environment,
+        )
+        for one in procedures or (None,)
+    ]
+    for one in limits if mission is not None else ():
+        refuse_unjudged(one, mission, procedures[0])
     given = {
         name: value
-        for name in SETTINGS[job]
+        for name in rows(Stored, job).keys() & STORED.keys() - rows(Use, job).keys()
         if (value := getattr(asked, name)) is not None
     }
+    given = {n: v for n, v in given.items() if n not in IDLE.get(job, set())}
     # The matrices are small, threads of BLAS only wait for each other; and with one the
     # order of every sum is the same on any machine.
     with small_blocks():
-        if job == "analyze":
-            requirement = limits[0] if limits else None
-            return _analyze(devices, procedures[0], requirement, given, workers)
-        if job == MISSION:
+        if job in {"analyze", MISSION}:
             budget = analyze(
                 *devices,
                 procedure=procedures[0],
@@ -140,7 +137,7 @@ def compute(
                 mission=mission,
                 validate=False,
                 workers=workers,
-                command=MISSION,
+                command=job,
                 **given,
             )
             return _snapshot(budget)
@@ -203,28 +200,9 @@ def _procedures(
     return found
 
 
-def by_law(asked: Asked) -> Asked:
+def by_law(asked: Stored) -> Stored:
     """Return the same settings with the law in the place of trials."""
     return replace(asked, method="gum", trials=None, max_trials=None, samples=None)
-
-
-def _analyze(
-    devices: Sequence[Device],
-    procedure: Procedure,
-    requirement: Requirement | None,
-    given: dict[str, Any],
-    workers: int,
-) -> Snapshot:
-    """Compute a budget; the check of the law by Monte Carlo is no part of it."""
-    budget = analyze(
-        *devices,
-        procedure=procedure,
-        requirement=requirement,
-        validate=False,
-        workers=workers,
-        **given,
-    )
-    return _snapshot(budget)
 
 
 def _snapshot(budget: Budget) -> Snapshot:

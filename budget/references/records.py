@@ -7,16 +7,33 @@ into them, and their constraints are those of its JSON Schema.
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, make_dataclass
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetPydanticSchema,
+    WithJsonSchema,
+)
+from pydantic_core.core_schema import no_info_after_validator_function
 
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.model.source import OWNERS
 from budget.model.sources import every_source
 from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
+from budget.settings import (
+    MOST_TRIALS,
+    SAMPLES,
+    UNTESTED,
+    Asked,
+    Row,
+    Use,
+    every_row,
+    rows,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,9 +67,6 @@ JOBS = tuple(FILES)
 # Files hold quantities between 1e-30 and 1e30 SI: no budget comes near this, and what
 # is computed of two such numbers does not overflow.
 LARGEST = 1e100
-# No more than the command line allows: a forged reference keeps no machine busy.
-MOST_TRIALS = 100_000_000
-MOST_SAMPLES = 2**20  # Sobol' points of one scramble
 
 
 def _joined(lines: Any) -> str:  # noqa: ANN401 - not yet checked
@@ -74,7 +88,6 @@ Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0.0, le=LARGEST)]
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0)]
-Trials = Annotated[int, Field(ge=2, le=MOST_TRIALS)]
 STRICT = ConfigDict(extra="forbid", strict=True)
 
 
@@ -94,27 +107,65 @@ class StoredInput:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class Stored(Asked, Use):
     """What was asked for besides the files; None leaves it to the job's default.
 
     Coverage and error reference are None too where a requirement rules them, so that a
-    change of the requirement is one of the result.
+    change of the requirement is one of the result. The calibration is one without a
+    procedure, 'none' or 'factory'.
     """
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
+    @classmethod
+    def of(cls, asked: Asked, inputs: Use) -> Self:
+        """Put together what a call asks for."""
+        given = {name: getattr(inputs, name) for name in every_row(Use)}
+        if given["calibration"] not in UNTESTED:
+            given["calibration"] = None
+        samples = asked.samples or (SAMPLES if asked.sobol else None)
+        own = vars(asked) | {"samples": samples, "sobol": False}
+        return cls(**own | given)
 
-    method: Literal["gum", "monte-carlo", "simulation"] = "gum"
-    trials: Trials | None = None
-    max_trials: Trials | None = None
-    digits: Annotated[int, Field(ge=1, le=2)] = 1
-    seed: Annotated[int, Field(ge=0)] = 0
-    coverage: Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)] | None = None
-    interval: Literal["symmetric", "shortest"] = "symmetric"
-    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = None
-    only: tuple[Line, ...] = ()
-    samples: Annotated[int, Field(ge=2, le=MOST_SAMPLES)] | None = None
-    strategy: Literal["equal", "proportional", "cost"] | None = None
-    fix: tuple[Line, ...] = ()
+
+STORED = {name: row for name, row in rows(Stored, "check").items() if name != "sobol"}
+
+
+def _stored_type(row: Row) -> Any:  # noqa: ANN401 - a type
+    """Return what a file may have for a setting."""
+    choices = UNTESTED if row.words else row.choices
+    kind: Any = Literal[choices] if choices else Line
+    if row.several:
+        kind = tuple[kind, ...]
+    elif row.least is not None:
+        kind = Annotated[int, Field(ge=row.least, le=row.most)]
+    elif row.fault is not None:
+        kind = Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)]
+    return kind | None if row.default is None else kind
+
+
+# As a file has them.
+Settings = Annotated[
+    Stored,
+    GetPydanticSchema(
+        lambda _, schema: no_info_after_validator_function(
+            lambda one: Stored(**vars(one)),
+            schema(
+                make_dataclass(
+                    "Asked",
+                    [
+                        (name, _stored_type(row), field(default=row.default))
+                        for name, row in STORED.items()
+                    ],
+                    namespace={
+                        "__pydantic_config__": STRICT,
+                        "__doc__": Stored.__doc__,
+                    },
+                    frozen=True,
+                    kw_only=True,
+                )
+            ),
+        )
+    ),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -272,7 +323,7 @@ class ReferenceBudget(Snapshot):
 
     job: Job
     inputs: Annotated[tuple[StoredInput, ...], Field(min_length=1, max_length=MANY)]
-    settings: Asked
+    settings: Settings
     versions: Mapping[Line, Line]  # of the tool and what it stands on
 
 

@@ -26,15 +26,19 @@ from budget.journal import note_read
 from budget.references.files import digest
 from budget.references.records import (
     KNOWN_FIRST,
+    STORED,
     STRICT,
     ReferenceBudget,
     Sha256,
     files_fault,
 )
+from budget.settings import fills
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from budget.references.records import Stored
 
 FORMAT = "budget-reference/1"
 NEWEST = 1
@@ -89,7 +93,7 @@ def reference_text(reference: ReferenceBudget) -> str:
             _set(_fields(one)) | {"text": one.text.split("\n")}
             for one in reference.inputs
         ],
-        "settings": _set(_fields(reference.settings)),
+        "settings": _settings(reference.settings),
         "numbers": [_set(_fields(one)) for one in reference.numbers],
         "words": [{"text": one.text, **_set(_fields(one))} for one in reference.words],
         "known": sorted(reference.known),
@@ -261,6 +265,14 @@ def _faults(error: ValidationError, shown: str) -> str:
 def _fields(record: Any) -> dict[str, Any]:  # noqa: ANN401 - any dataclass
     """Return a flat record by field; `asdict` copies every text."""
     return {one.name: getattr(record, one.name) for one in fields(record)}
+
+
+def _settings(stored: Stored) -> dict[str, Any]:
+    """Return the settings that there are; what fills in only where something does."""
+    found = _set({name: getattr(stored, name) for name in STORED})
+    return (
+        found if fills(stored) else {k: v for k, v in found.items() if k != "missing"}
+    )
 
 
 def _set(values: dict[str, Any]) -> dict[str, Any]:

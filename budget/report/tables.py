@@ -13,6 +13,7 @@ from budget.language import axis_title, beside, key_title, say
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
 from budget.sentences import sentence
+from budget.settings import further
 from budget.ties import first_largest, foremost, from_largest, settle
 from budget.units import ARCSEC, parse_quantity
 
@@ -567,6 +568,7 @@ def settings_lines(settings: Settings) -> tuple[tuple[str, str], ...]:
         "outputs": outputs,
         "missing lines": "" if settings.missing == "refuse" else settings.missing,
     }
+    lines |= further(settings)
     return tuple((name, value) for name, value in lines.items() if value)
 
 

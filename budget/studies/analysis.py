@@ -22,7 +22,6 @@ from budget.methods.radius import circles
 from budget.methods.sobol import SCRAMBLES, SobolResult, evaluations, sobol
 from budget.methods.validation import MAX_TRIALS as VALIDATION_TRIALS
 from budget.methods.validation import validate as validate_law
-from budget.missing import REFUSE
 from budget.missing.expected import could_widen
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
@@ -47,7 +46,7 @@ from budget.results import (
     input_files,
 )
 from budget.sentences import sentence
-from budget.settings import Engine, Settings, check
+from budget.settings import Asked, Engine, Inputs, asking, check
 from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
@@ -60,16 +59,15 @@ from budget.studies.progress import describe_cost, seconds_per_trial
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-    from concurrent.futures import Executor
+    from collections.abc import Iterator, Mapping
 
     from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
+    from budget.inputs.records import Device, Requirement
     from budget.problem import Problem
-    from budget.settings import Progress
+    from budget.settings import Settings
 
 # An interaction below this is the rounding of the estimators [1].
 ROUNDING = 1e-9
@@ -95,36 +93,13 @@ class MethodEstimate:
     assumptions: tuple[str, ...] = ()
 
 
+@asking("analyze")
 def analyze(
     *devices: Device | File,
-    procedure: Procedure | File | None = None,
-    requirement: Requirement | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    method: str = "gum",
-    trials: int | None = None,
-    digits: int = 1,
-    max_trials: int = MAX_TRIALS,
-    validate: bool = True,
-    seed: int = 0,
-    workers: int = 1,
-    executor: Executor | None = None,
-    coverage: float | None = None,
-    interval: str = "symmetric",
-    reference: str | None = None,
-    samples: int | None = None,
-    only: Sequence[str] = (),
-    outputs: Sequence[str] = (),
-    matrices: bool = False,
-    missing: str = REFUSE,
-    catalogue: Sequence[Device] | None = None,
-    mission: Mission | File | None = None,
-    at: Sequence[float | str] = (),
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     command: str = "analyze",
-    progress: Progress | None = None,
-    talk: Callable[[str], None] | None = None,
 ) -> Budget:
     """Compute the error budget of a calibration, or of a mission after it.
 
@@ -132,67 +107,8 @@ def analyze(
     ----------
     *devices : Device
         Together at most one gyro and one accelerometer.
-    procedure : Procedure, optional
-        The paper's, if none is given; of a mission without limits on the calibration
-        the maker's.
-    requirement : Requirement, optional
-        The budget is judged against it, and the intervals of required outputs are
-        those that were judged; its coverage and error reference rule.
-    calibration : str, Path, mapping or Procedure, optional
-        What calibrated the unit, in the place of `procedure`: 'none', 'factory' or a
-        procedure.
-    station, age, environment : optional
-        As of `load_procedure`.
-    method : str
-        'gum' (law of propagation), 'monte-carlo' or 'simulation'. Contributions of
-        the sources are the law's under every method.
-    trials : int, optional
-        Monte Carlo trials (adaptive without) or simulated runs (200).
-    digits : int
-        Significant digits of the uncertainties that adaptive trials make sure, and
-        that the law is validated to; 1 or 2.
-    max_trials : int
-        Where adaptive trials stop at the latest.
-    validate : bool
-        Whether Monte Carlo checks the law.
-    seed : int
-        Same seed, same numbers.
-    workers : int
-        Number of processes; changes no number.
-    executor : concurrent.futures.Executor, optional
-        Does the work in place of local processes.
-    coverage : float, optional
-        Probability of the intervals [1]; the requirement's, else 0.95.
-    interval : str
-        'symmetric' or 'shortest'; by the law both are mean +- k u.
-    reference : str, optional
-        Error reference: 'nominal', 'as_tested', 'next_turn_on'; the requirement's, else
-        'nominal'.
-    samples : int, optional
-        Points in one of eight scrambles for Sobol' indices; without it there are none.
-    only : sequence of str
-        Sources that count, all others 0; a bare name means both sensors.
-    outputs : sequence of str
-        What is asked for, 'gyro.rotation' or 'bias.z': parameters, and what is derived
-        of them (budget.calibration.derived); all parameters without it.
-    matrices : bool
-        Whether the result has the compensation matrices (budget.studies.compensation).
-    missing : str
-        What stands for expected lines that are not given (budget.missing):
-        'refuse', 'worst', 'typical' or 'predict'.
-    catalogue : sequence of Device, optional
-        Where those lines are taken from; without it the devices that ship.
-    mission : Mission, optional
-        Whose errors are asked for, in place of those of the parameters; with a later
-        turn-on as error reference.
-    at : sequence of float or str
-        Times of the mission [s], or as '10 min'; those of its file without it.
     command : str
         Name of the job in the result.
-    progress : callable, optional
-        Called with what is being done, steps done and steps in all.
-    talk : callable, optional
-        Called with a line for people before work that may take long.
 
     Returns
     -------
@@ -203,37 +119,8 @@ def analyze(
     CallError
         Options or devices that do not fit together.
     """
-    question = Question.load(
-        *devices,
-        procedure=procedure,
-        calibration=calibration,
-        station=station,
-        age=age,
-        environment=environment,
-        requirement=requirement,
-        mission=mission,
-        at=at,
-        coverage=coverage,
-        reference=reference,
-        only=only,
-        outputs=outputs,
-        missing=missing,
-        catalogue=catalogue,
-    )
-    settings = Settings(
-        method=method,
-        trials=trials,
-        digits=digits,
-        max_trials=max_trials,
-        validate=validate,
-        seed=seed,
-        interval=interval,
-        samples=samples,
-        matrices=matrices,
-        missing=missing,
-    )
-    engine = Engine(workers=workers, executor=executor, progress=progress, talk=talk)
-    return analyze_as(settings, question, engine=engine, command=command)
+    question = Question.load(*devices, inputs=inputs, asked=asked)
+    return analyze_as(asked.settle(), question, engine=engine, command=command)
 
 
 def analyze_as(

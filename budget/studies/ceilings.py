@@ -131,7 +131,7 @@ def ceilings(
             ends = prediction.interval(COVERAGE)[:, 1].tolist()
             for own, end in zip(prediction.names, ends, strict=True):
                 upper[own] = max(end, upper.get(own, 0.0))
-    found = {}
+    found, itself = {}, device.as_printed
     for name, own in meant.items():
         if own not in wanted:
             continue
@@ -140,7 +140,7 @@ def ceilings(
         offers = [
             one
             for one in _printed(devices).get((own.owner, source.name), ())
-            if one.owner != device.as_printed
+            if one.owner != itself
             if own_family in {one.family, ""} and own_grade in {one.grade, UNKNOWN}
         ]
         worst = offers[first_largest([one.u for one in offers])] if offers else None
@@ -191,10 +191,11 @@ def printed_by_others(
     None where fewer than FEW print it: that is no measure.
     """
     devices = tuple(shipped_devices() if catalogue is None else catalogue)
+    itself, own_family = device.as_printed, _family(device)
     found = [
         one
         for one in _printed(devices).get((name.owner, name.quantity), ())
-        if one.owner != device.as_printed and _family(device) in {one.family, ""}
+        if one.owner != itself and own_family in {one.family, ""}
     ]
     by_size = sorted(found, key=lambda one: one.u)
     return (by_size[0], by_size[-1]) if len(found) >= FEW else None

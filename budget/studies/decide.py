@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import reduce
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
-from budget.inputs import load_mission, load_procedure, load_requirement
+from budget.inputs import load_procedure, load_requirement
 from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import IMU, MISSION
 from budget.results import VERDICTS, Tabled
+from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
@@ -27,9 +28,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
+    from budget.inputs.records import Device, Procedure, Requirement
     from budget.results import Condition, InputFile, Standing
-    from budget.settings import Progress, Settings
+    from budget.settings import Settings
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
     from budget.studies.stations import StationVerdict
@@ -240,21 +241,15 @@ class Decision(Tabled):
         return gravest(one.offers[0].verdict for one in self.purchases)
 
 
+@asking("decide")
 def decide(
     devices: Device | File | Sequence[Device | File],
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
-    mission: Mission | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    catalogue: Sequence[Device] | None = None,
-    missing: str = "refuse",
-    method: str = "gum",
-    seed: int = 0,
-    workers: int = 1,
-    progress: Progress | None = None,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
 ) -> Decision:
     """Say what to buy, after which calibration, on which station.
 
@@ -266,13 +261,11 @@ def decide(
 
     Parameters
     ----------
-    devices, requirement, mission, station, age, environment, catalogue, missing
+    devices, requirement
         As of `compare`.
     procedures : sequence of Procedure
         Calibrations that are at hand, the one preferred first; the paper's, if none is
         given.
-    method, seed, workers, progress
-        As of `compare`.
 
     Returns
     -------
@@ -284,28 +277,22 @@ def decide(
         As of `compare`; two calibrations have one name.
     """
     wanted = load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
+    journey = inputs.journey
+    inputs = replace(inputs, mission=journey)
+    asked = replace(asked, validate=False)
     given = several(procedures)
     as_made = {*wanted.kinds} <= {MISSION}
     at_hand = tuple(map(load_procedure, given if any(given) else (None,)))
     check_names(at_hand)
     tests: tuple[Procedure | str, ...] = (*([FACTORY] if as_made else []), *at_hand)
     imus = load_devices(devices, variants=True)
-    use: dict[str, Any] = {"age": age, "environment": environment}
     found = [
         compare(
             imus,
             wanted,
-            mission=journey,
-            calibration=test,
-            station=station,
-            catalogue=catalogue,
-            missing=missing,
-            method=method,
-            seed=seed,
-            workers=workers,
-            progress=progress,
-            **use,
+            inputs=replace(inputs, calibration=test),
+            asked=asked,
+            engine=engine,
         )
         for test in tests
     ]
@@ -316,21 +303,18 @@ def decide(
             return one
         device = imus[one.chosen.parts[0].place]
         test = tests[one.chosen.order]
-        given: dict[str, Any] = {"requirement": wanted, "calibration": test, **use}
+        given = replace(inputs, requirement=wanted, calibration=test)
         own = replace(one, is_aged=_ages(device))
         if not as_made:
-            own = replace(own, stations=qualify(device, **given).stations)
+            own = replace(
+                own,
+                stations=qualify(
+                    device, inputs=replace(given, station=None, mission=None)
+                ).stations,
+            )
         if not own.is_aged:
             return own
-        again = allocate(
-            device,
-            mission=journey,
-            station=station,
-            catalogue=catalogue,
-            validate=False,
-            seed=seed,
-            **given,
-        ).recalibrations
+        again = allocate(device, inputs=given, asked=asked).recalibrations
         kept = tuple(each for each in again if each.goal == AS_THEY_ARE)
         return replace(own, recalibrations=kept)
 

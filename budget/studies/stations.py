@@ -43,7 +43,6 @@ from budget.distributions import NORMAL, normal_coverage_factor
 from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import (
-    load_calibration,
     load_station,
     load_stations,
 )
@@ -68,6 +67,7 @@ from budget.names import Name, by_group
 from budget.question import Question, given_lines
 from budget.results import InputFile, Tabled, input_files
 from budget.sentences import described, sentence
+from budget.settings import Asked, Inputs, asking
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import not_weighted
 from budget.studies.verdicts import stand
@@ -85,7 +85,6 @@ if TYPE_CHECKING:
         Device,
         Limit,
         Procedure,
-        Requirement,
         Sensor,
         Station,
     )
@@ -361,16 +360,13 @@ class Qualification(Tabled):
         return tuple(one for one in self.stations if one.verdict == DOES)
 
 
+@asking("station")
 def qualify(
     *devices: Device | File,
-    requirement: Requirement | File,
-    procedure: Procedure | File | None = None,
-    calibration: Procedure | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
+    inputs: Inputs,
+    asked: Asked,
     ratio: float = RATIO,
     guard: float = GUARD,
-    strategy: str | None = None,
     stations: Sequence[Station | File] | None = None,
 ) -> Qualification:
     """Say how good each figure of a test station must be, and which station does.
@@ -379,21 +375,10 @@ def qualify(
     ----------
     *devices : Device
         What is calibrated; together at most one gyro and one accelerometer.
-    requirement : Requirement
-        Limits, coverage and reference.
-    procedure : Procedure, optional
-        The test, at its own station if it has one; the paper's, if none is given.
-    calibration : Procedure, optional
-        In the place of `procedure`; 'none' and 'factory' have no station.
-    age, environment : optional
-        As of `load_procedure`.
     ratio : float
         R, of every limit over U of the station alone, that is asked for [1].
     guard : float
         r, guard band of the acceptance limits over U of the whole measurement [1].
-    strategy : str, optional
-        How sources share the limits: 'equal' (default), or 'proportional' to the
-        figures of the procedure's own station.
     stations : sequence of Station, optional
         Candidates; the shipped ones, if none are given.
 
@@ -406,14 +391,14 @@ def qualify(
     CallError
         Options that mean nothing, or no limit on what the test estimates.
     """
-    how = load_calibration(calibration, procedure, age=age, environment=environment)
+    how, strategy = inputs.calibrated(), asked.strategy or STRATEGIES[0]
     if how.formulas in UNCALIBRATED:
         raise CallError(
             f"{how.name}: there is no test, so that no station is needed; give the "
             "procedure of a test"
         )
-    _check(ratio, guard, strategy or STRATEGIES[0], how)
-    question = Question.load(*devices, procedure=how, requirement=requirement)
+    _check(ratio, guard, strategy, how)
+    question = Question.load(*devices, inputs=inputs)
     imus, wanted, how = question.devices, question.wanted, question.procedure
     sensors = question.sensors
     names = known_outputs([sensor.kind for sensor in sensors], how)
@@ -448,11 +433,11 @@ def qualify(
         procedure=how,
         ratio=ratio,
         guard=guard,
-        strategy=strategy or STRATEGIES[0],
+        strategy=strategy,
         coverage=wanted.coverage,
         coverage_factor=case.k,
         reference=wanted.reference,
-        figures=_figures(case, probe, strategy or STRATEGIES[0]),
+        figures=_figures(case, probe, strategy),
         stations=verdicts,
         times=probe.times,
         assumptions=(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +12,13 @@ import numpy as np
 
 from budget.errors import CallError
 from budget.inputs import (
-    load_calibration,
     load_device,
-    load_mission,
-    load_requirement,
 )
 from budget.inputs.changes import read_change
 from budget.inputs.load import several
 from budget.names import with_parts
 from budget.results import TIME_COLUMN
+from budget.settings import Asked, Inputs, asking
 from budget.studies.analysis import analyze
 from budget.units import NUMBER
 
@@ -29,32 +28,22 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Station
+    from budget.inputs.records import Device
     from budget.names import Name
     from budget.results import Budget
 
 QUANTITY = re.compile(rf"({NUMBER})\s*([^\s\d].*)")
 
 
+@asking("sweep")
 def sweep(
     device: Device | File,
     line: str,
     values: Iterable[object],
     *,
     unit: str = "",
-    procedure: Procedure | File | None = None,
-    requirement: Requirement | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    mission: Mission | File | None = None,
-    at: Sequence[float | str] = (),
-    coverage: float | None = None,
-    reference: str | None = None,
-    outputs: Sequence[str] = (),
-    validate: bool = False,
-    seed: int = 0,
+    inputs: Inputs,
+    asked: Asked,
 ) -> pd.DataFrame:
     """Compute the budget for each of several values of a line.
 
@@ -69,17 +58,6 @@ def sweep(
         a range, an array of shape (n,), or (n, 3) axis by axis [unit].
     unit : str
         Of the numbers, 'deg/h'.
-    procedure, requirement, seed
-        As of `analyze`.
-    outputs : sequence of str
-        As of `analyze`; of a mission names as `budget[...]` takes them, or what
-        several of them begin or end with: 'mission.position.horizontal'.
-    calibration, station, age, environment, mission, at
-        As of `analyze`.
-    coverage, reference
-        As of `analyze`; with a requirement those that it asks for.
-    validate : bool
-        Whether Monte Carlo checks the law, for every value.
 
     Returns
     -------
@@ -101,43 +79,25 @@ def sweep(
     from budget.studies.frame import Frame
 
     start = load_device(device)
-    wanted = None if requirement is None else load_requirement(requirement)
-    route = None if mission is None else load_mission(mission)
-    how = load_calibration(
-        calibration,
-        procedure,
-        station=station,
-        age=age,
-        environment=environment,
-        mission=route,
-        requirement=wanted,
-    )
+    wanted, route = inputs.required, inputs.journey
+    how = inputs.calibrated(mission=route, requirement=wanted)
+    inputs = Inputs(requirement=wanted, mission=route, procedure=how, at=inputs.at)
+    outputs = asked.outputs
+    asked = replace(asked, outputs=() if route else outputs)
     listed = () if isinstance(values, str) else several(values)
-    given = tuple(_as_printed(value, line, unit) for value in listed)
-    if not given:
+    printed = tuple(_as_printed(value, line, unit) for value in listed)
+    if not printed:
         raise CallError(
             f"{line}: expected a list of values to compute the budget for, as "
             "['0.01 deg/h', '0.02 deg/h'], or numbers with unit='deg/h'"
         )
-    changed = [start.replace({line: value}) for value in given]  # refused at once
+    changed = [start.replace({line: value}) for value in printed]  # refused at once
     address = read_change(f"{line}=0").address
     rows: list[dict[str, Any]] = []
-    for value, one in zip(given, changed, strict=True):
-        budget = analyze(
-            one,
-            procedure=how,
-            requirement=wanted,
-            mission=route,
-            at=at,
-            coverage=coverage,
-            reference=reference,
-            outputs=() if route else outputs,
-            validate=validate,
-            seed=seed,
-            command="sweep",
-        )
-        asked = _asked(budget, outputs)
-        rows += ({**_split(value), **row} for row in _rows(budget, address, asked))
+    for value, one in zip(printed, changed, strict=True):
+        budget = analyze(one, inputs=inputs, asked=asked, command="sweep")
+        chosen = _asked(budget, outputs)
+        rows += ({**_split(value), **row} for row in _rows(budget, address, chosen))
     return Frame(rows)
 
 

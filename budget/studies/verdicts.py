@@ -41,10 +41,9 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.saturation import (
     needed_range,
-    peaks_of_test,
     saturations,
 )
-from budget.calibration.schemes import calibrates, scheme_of
+from budget.calibration.schemes import calibrates, largest_of_test
 from budget.distributions import normal_coverage_factor
 from budget.inputs.makers import bare, lines_by_word
 from budget.inputs.records import JOINT
@@ -53,7 +52,7 @@ from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
-from budget.missing import line_of, shipped_devices
+from budget.missing import line_of, shipped_devices, usual_line
 from budget.missing.grades import FAMILIES, family
 from budget.missing.prediction import stand_in
 from budget.model.course import Fading
@@ -363,7 +362,7 @@ def unjudged(question: Question) -> Standing:
                 text=sentence("conditions.decides", line=name),
             )
             for name in expected_of(question)
-            for line in [line_of(stand_in(name), name.owner)]
+            for line in [usual_line(name)]
         ),
         cautions=cautions_of(question),
         calibration=calibration_words(question.procedure),
@@ -745,9 +744,9 @@ class Margin:
         source = stand_in(name)
         printed = below if 0.0 < below < inf else None
         if printed and not alone:  # a size below the bound is within it
-            one = line_of(source, name.owner).si_per_unit
+            one = usual_line(name).si_per_unit
             printed = rounded_down(below / one, 3) * one
-        line = line_of(source, name.owner, printed)
+        line = line_of(source, name.owner, printed) if printed else usual_line(name)
         known = None if below == inf else below
         return Condition(
             kind="missing",
@@ -870,7 +869,7 @@ def _tried_at(key: str) -> float:
 
 def _one(name: Name) -> float:
     """Return a size of 1 in the most usual unit of a line [SI]."""
-    return float(line_of(stand_in(name), name.owner).u[0])
+    return float(usual_line(name).u[0])
 
 
 def _factor(held: Limited, judged: Judged) -> Array:
@@ -1293,14 +1292,8 @@ def _peaks(question: Question) -> tuple[Peak, ...]:
     """Return the largest input of each triad whose range is not given."""
     if question.journey is not None:
         return needed_range(question.there, question.journey)
-    place = question.procedure.place
     return tuple(
-        max(
-            peaks_of_test(
-                one.kind, scheme_of(one.kind, question.procedure, one).schedule, place
-            ),
-            key=lambda peak: peak.size,
-        )
+        largest_of_test(one.kind, question.procedure)
         for one in question.there
         if one.range is None and calibrates(one.kind, question.procedure)
     )

@@ -466,3 +466,41 @@ def test_a_procedure_and_its_station_that_state_different_uses_are_refused(
     assert run.code == (0 if is_same else 2), run.err
     if not is_same:
         assert_says(run.err, f"{key} is {one} in", f"and {other} in")
+
+
+TURNED_ON = ("--reference", "next_turn_on")
+LATER = """gyro:
+  errors:
+    initial_bias: 20 deg/h
+    ageing: {value: 0.2 deg/h, horizon: 1 year, law: drift}
+"""
+STORED = {
+    "environment": (WARM, TURNED_ON),
+    "age": ("1 year", TURNED_ON),
+    "missing": ("worst", ()),
+    "calibration": ("none", ("--mission", "bench")),
+    "station": ("granite-plate-cube", ("--procedure", "six-positions-and-turns")),
+}
+
+
+@pytest.mark.parametrize("option", STORED)
+def test_a_reference_keeps_what_the_call_states(option, files, tmp_path):
+    """It is in the file, moves the numbers, and is computed with again."""
+    value, more = STORED[option]
+    device = "stim300#5g"
+    if option != "missing":
+        device = tmp_path / "one.yaml"
+        text = files["drifting"].read_text(encoding="utf-8")
+        device.write_text(text.replace("gyro:\n  errors:\n", LATER), encoding="utf-8")
+    paths = [tmp_path / name for name in ("with.json", "without.json")]
+    for path, stated in zip(paths, ((f"--{option}", value), ()), strict=True):
+        answer("check", "--save", path, device, *more, *stated)
+        answer("check", path)
+    found, bare = (json.loads(path.read_text("utf-8")) for path in paths)
+    assert found["numbers"] != bare["numbers"]
+    if option == "station":
+        assert [one["role"] for one in found["inputs"]][-1] == "station"
+    else:
+        assert found["settings"] == bare["settings"] | {option: value}
+    moved = answer("diff", *paths, "--json", "-").document["moved"]
+    assert moved

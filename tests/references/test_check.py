@@ -20,7 +20,7 @@ from budget.references.files import (
     take,
 )
 from budget.references.jobs import by_law, compute
-from budget.references.records import Asked
+from budget.references.records import Stored
 from budget.references.store import read_reference
 from budget.resources import shipped
 
@@ -279,8 +279,8 @@ def assert_felt(device, warmer):
     stem, _, variant = device.partition("#")
     bases, figures = {}, model_figures(device)
     for warm, procedure, asked in (
-        (False, "zhao-2019-eq4", Asked()),
-        (True, str(warmer), Asked(reference="next_turn_on")),
+        (False, "zhao-2019-eq4", Stored()),
+        (True, str(warmer), Stored(reference="next_turn_on")),
     ):
         sensors = {f.steps[0] for f in figures if is_felt_later(f.key) is warm}
         if not sensors:

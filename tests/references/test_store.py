@@ -17,7 +17,7 @@ from saying import assert_says
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, stored_documents
 from budget.references.jobs import compute
-from budget.references.records import Asked
+from budget.references.records import Stored
 from budget.references.store import (
     MOST_BYTES,
     NEWEST,
@@ -438,6 +438,6 @@ class TestRefused:
         """Settings that mean nothing to the job are refused when it is checked."""
         content = json.loads(path.read_bytes()) | {"settings": {"strategy": "equal"}}
         path.write_text(signed(content), encoding="utf-8")
-        assert stored(path).settings == Asked(strategy="equal")
+        assert stored(path).settings == Stored(strategy="equal")
         run = call("check", path)
         assert (run.code, "--strategy: means nothing" in run.err) == (2, True)

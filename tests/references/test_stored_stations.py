@@ -13,7 +13,7 @@ from budget.errors import CallError
 from budget.references.check import make_reference
 from budget.references.files import stored_documents, take
 from budget.references.jobs import compute
-from budget.references.records import Asked
+from budget.references.records import Stored
 
 HUT = "station: {gravity: 20 mGal, mount: 3 arcsec}\n"
 PLAN = "name: p\nlatitude: 40 deg\nstation: hut.yaml\n"
@@ -88,13 +88,13 @@ def test_what_is_stored_needs_no_file(folder):
         *(take("device", "imu.yaml"), take("procedure", "plan.yaml")),
         take("station", "hut.yaml"),
     ]
-    there = make_reference("analyze", taken, Asked())
+    there = make_reference("analyze", taken, Stored())
     (folder / "hut.yaml").unlink()
     read = stored_documents(taken, reference="old", job="analyze")
-    again = compute("analyze", read, Asked())
+    again = compute("analyze", read, Stored())
     assert again.numbers == there.numbers
     with pytest.raises(CallError, match="not among the inputs"):
-        compute("analyze", read[:2], Asked())
+        compute("analyze", read[:2], Stored())
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -87,6 +87,14 @@ def _peaks(owner: str, procedure: Procedure) -> tuple[Peak, ...]:
     return peaks_of_test(owner, schedule_of(owner, procedure), procedure.place)
 
 
+@lru_cache(maxsize=64)
+def largest_of_test(owner: str, procedure: Procedure) -> Peak:
+    """Return the largest input of a triad in the windows of a test, for all devices."""
+    schedule = scheme_of(owner, procedure).schedule
+    peaks = peaks_of_test(owner, schedule, procedure.place)
+    return max(peaks, key=lambda peak: peak.size)
+
+
 def is_beside(procedure: Procedure) -> bool:
     """Whether a gyro is calibrated by what accelerometers beside it show."""
     estimator = estimator_of(procedure.formulas)
@@ -306,6 +314,7 @@ __all__ = [
     "estimated",
     "initial_lines",
     "is_beside",
+    "largest_of_test",
     "noise_of",
     "schedule_of",
     "scheme_of",

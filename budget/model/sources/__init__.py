@@ -600,12 +600,14 @@ def blamed_outside(error: BaseException) -> str:
     return blamed(error, from_outside().sources)
 
 
+@cache
 def lines_of(owner: str) -> tuple[Source, ...]:
     """Return the sources that an owner can have, in their order."""
     every = every_source() if owner in SENSORS else SOURCES
     return tuple(source for source in every if source.like(owner))
 
 
+@cache
 def source_of(owner: str, name: str) -> Source:
     """Return the source of that name.
 
@@ -633,10 +635,8 @@ def _names(sources: Iterable[Source]) -> str:
 
 def walk_of(sensor: str) -> str:
     """Return the random walk that white noise is on that sensor."""
-    (walk,) = (
-        x.name for x in SOURCES if x.value == "walk" and x.expected if x.like(sensor)
-    )
-    return walk
+    white = (one for one in SOURCES if one.value == "walk" and one.expected)
+    return next(one.name for one in white if one.like(sensor))
 
 
 def twin_of(name: str) -> str:

@@ -16,6 +16,7 @@ from budget.report.formulas import check_formula
 from budget.report.pages import sections
 from budget.report.standing import error_reference
 from budget.sentences import described
+from budget.settings import further
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -65,6 +66,7 @@ def method_section(
         trials=trials,
         of_verdict=of_verdict,
         error_reference=error_reference,
+        further=further(settings),
         by_group=by_group,
         weights=[_weights(scheme_of(one.kind, procedure, one)) for one in weighed],
         noises=noises.items(),

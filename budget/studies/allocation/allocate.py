@@ -19,10 +19,10 @@ from budget.names import IMU, MISSION, Name
 from budget.question import Question, limited_but_held
 from budget.results import input_files
 from budget.sentences import sentence
+from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.cases import (
     COVERAGE_OFF,
     NO_BOUNDS,
-    STRATEGIES,
     resize,
     set_up,
     shared_by_equals,
@@ -60,13 +60,8 @@ if TYPE_CHECKING:
     from budget.inputs.records import (
         Costs,
         Device,
-        Mission,
-        Procedure,
-        Requirement,
         Sensor,
-        Station,
     )
-    from budget.settings import Progress
     from budget.studies.allocation.cases import Bounds, SensorCase
 
 TRIALS = 250_000  # for which 0.2 % of coverage are 4.6 standard errors at 95 %
@@ -76,23 +71,15 @@ CORRECTIONS = 6  # at the most
 ASSURED = 1e-9  # more than an interval reaches over a limit, for a file's digits [1]
 
 
+@asking("allocate")
 def allocate(
     *devices: Device | File,
-    requirement: Requirement | File,
-    procedure: Procedure | File | None = None,
-    mission: Mission | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    strategy: str | None = None,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
     market: bool = False,
-    catalogue: Sequence[Device] | None = None,
-    validate: bool = True,
-    seed: int = 0,
-    progress: Progress | None = None,
 ) -> Allocation:
     """Find the standard uncertainty that each line may have.
 
@@ -100,20 +87,6 @@ def allocate(
     ----------
     *devices : Device
         Where to start; together at most one gyro and one accelerometer.
-    requirement : Requirement
-        Limits, coverage and reference.
-    procedure : Procedure, optional
-        The paper's, if none is given; where all limits are on a mission, the maker's.
-    mission : Mission, optional
-        What limits on a mission are on. Limits on sensors are shared out first; a line
-        is then at most what they allow.
-    calibration : str, Path, mapping or Procedure, optional
-        What calibrated the unit, in the place of `procedure`: 'none', 'factory' or a
-        procedure.
-    station, age, environment : optional
-        As of `load_procedure`.
-    strategy : str, optional
-        'proportional' (default), 'equal' or 'cost' (default where there are costs).
     costs : Costs, optional
         For the strategy 'cost'; lines that it does not name have a = p = 1.
     bounds : Bounds
@@ -121,14 +94,6 @@ def allocate(
     market : bool
         Whether no line may become better than the best in the catalogue, or than it
         is now.
-    catalogue : sequence of Device, optional
-        What is offered; the shipped devices, if none is given.
-    validate : bool
-        Whether Monte Carlo checks, and corrects, the allocation.
-    seed : int
-        Of Monte Carlo.
-    progress : callable, optional
-        Called with what is being done, steps done and steps in all.
 
     Returns
     -------
@@ -141,39 +106,24 @@ def allocate(
         Options that do not fit together, limits on a mission without one, or no limit
         for any sensor that is there.
     """
-    question = Question.load(
-        *devices,
-        procedure=procedure,
-        calibration=calibration,
-        station=station,
-        age=age,
-        environment=environment,
-        requirement=requirement,
-        mission=mission,
-        catalogue=catalogue,
-    )
     return allocate_as(
-        question,
-        strategy=strategy,
+        Question.load(*devices, inputs=inputs),
+        asked,
+        engine=engine,
         costs=costs,
         bounds=bounds,
         market=market,
-        validate=validate,
-        seed=seed,
-        progress=progress,
     )
 
 
 def allocate_as(
     question: Question,
+    asked: Asked,
     *,
-    strategy: str | None = None,
+    engine: Engine,
     costs: Costs | File | None = None,
     bounds: Bounds = NO_BOUNDS,
     market: bool = False,
-    validate: bool = True,
-    seed: int = 0,
-    progress: Progress | None = None,
 ) -> Allocation:
     """Share out limits as `allocate` does, of a calibration and of its mission."""
     imus, wanted = question.devices, question.whole().wanted
@@ -181,7 +131,7 @@ def allocate_as(
     unit = question if journey is None else question.alone(MISSION)
     how, sensors, catalogue = unit.procedure, unit.sensors, question.catalogue
     prices = None if costs is None else load_costs(costs)
-    strategy = _choose_strategy(strategy, prices)
+    strategy, seed = _choose_strategy(asked.strategy, prices), asked.seed
     warnings: tuple[str, ...] = ()
     if catalogue is None:
         catalogue, warnings = load_catalogue()
@@ -193,7 +143,7 @@ def allocate_as(
             "that is there "
             f"({', '.join(sensor.kind for sensor in sensors)}); add limits for it"
         )
-    if validate:  # begins with what Monte Carlo found of the present state
+    if asked.validate:  # begins with what Monte Carlo found of the present state
         cases = [replace(case, task=case.present) for case in cases]
     feasible = all(case.is_feasible for case in cases)
     longer_tests = tuple(test for case in cases for test in find_longer_tests(case))
@@ -203,12 +153,12 @@ def allocate_as(
         feasible = feasible and case.is_feasible
         if case.is_feasible:
             solved = share_out(case)
-            if validate:
+            if asked.validate:
                 solved = _correct(solved, share_out, seed=seed)
                 solved = _assure(solved, share_out, seed=seed)
             cases[place] = solved
-        if progress is not None:
-            progress("error allocation", place + 1, len(cases))
+        if engine.progress is not None:
+            engine.progress("error allocation", place + 1, len(cases))
     if journey is not None:
         cases = _together(cases)
     there = {sensor.kind for sensor in sensors} | {case.owner for case in cases}
@@ -329,8 +279,6 @@ def _choose_strategy(strategy: str | None, costs: Costs | None) -> str:
     """Return the strategy that is meant."""
     if strategy is None:
         return "proportional" if costs is None else "cost"
-    if strategy not in STRATEGIES:
-        raise CallError(f"strategy is {strategy!r}, allowed: {', '.join(STRATEGIES)}")
     if costs is not None and strategy != "cost":
         raise CallError(
             f"costs count for nothing in the strategy {strategy!r}; "

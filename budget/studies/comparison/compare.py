@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING
 
 from budget.calibration.schemes import calibrates, refusals
 from budget.errors import CallError
-from budget.inputs import load_calibration, load_devices, load_mission, load_requirement
+from budget.inputs import load_devices, load_requirement
 from budget.inputs.load import several
 from budget.inputs.use import in_use
 from budget.methods.execution import local_executor
-from budget.missing import REFUSE
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
 from budget.question import Question, refuse_unjudged
 from budget.results import input_file, named_files
 from budget.sentences import sentence
-from budget.settings import Settings, stage
+from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
     age_that_counts_not,
@@ -43,7 +42,6 @@ from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from concurrent.futures import Executor
 
     from budget.inputs.files import File
     from budget.inputs.records import (
@@ -51,38 +49,24 @@ if TYPE_CHECKING:
         Mission,
         Procedure,
         Requirement,
-        Station,
     )
     from budget.results import Standing
-    from budget.settings import Progress
 
 LEAST_TRIALS = 2
-METHODS = ("gum", "monte-carlo")
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
+@asking("compare")
 def compare(
     devices: Device | File | Sequence[Device | File],
     requirement: Requirement | File,
     procedures: Procedure | File | Sequence[Procedure | File] = (),
     *,
-    mission: Mission | File | None = None,
-    calibration: Procedure | File | None = None,
-    station: Station | File | None = None,
-    age: str | None = None,
-    environment: str | None = None,
-    catalogue: Sequence[Device] | None = None,
-    missing: str = REFUSE,
-    method: str = "monte-carlo",
-    trials: int = TRIALS,
-    max_trials: int | None = None,
-    validate: bool = False,
+    inputs: Inputs,
+    asked: Asked,
+    engine: Engine,
     pairs: bool = False,
     strict: bool = False,
-    seed: int = 0,
-    workers: int = 1,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
 ) -> Comparison:
     """Judge every sensor of every device under every procedure, and rank them.
 
@@ -97,38 +81,12 @@ def compare(
         Limits, coverage and reference.
     procedures : sequence of Procedure
         The paper's, if none is given; where all limits are on a mission, the maker's.
-    mission : Mission, optional
-        What limits on a mission are on; devices of both sensors are ranked by it too.
-    calibration : str, Path, mapping or Procedure, optional
-        What calibrated the unit, in the place of `procedures`: 'none', 'factory' or a
-        procedure.
-    station, age, environment : optional
-        As of `load_procedure`.
-    catalogue : sequence of Device, optional
-        Where lines that are not given are taken from; without it the devices that ship.
-    missing : str
-        What stands for expected lines that are not given (budget.missing):
-        'refuse', 'worst', 'typical' or 'predict'.
-    method : str
-        'monte-carlo' on common random numbers, with the law where that is surer
-        (budget.studies.judgement), or 'gum', the law alone: the fast screen.
-    trials : int
-        Of each device at first; verdicts and ranks that they leave open get more.
-    max_trials : int, optional
-        The most that a device gets; MAX_TRIALS without, or `trials` if that is more.
-    validate : bool
-        By gum: judge as by 'monte-carlo' does, and say where Monte Carlo does not
-        confirm the law (JCGM 101, clause 8).
     pairs : bool
         Whether every gyro is paired with every accelerometer too; the two of one
         device are ranked as an IMU in any case.
     strict : bool
         Refuse devices that a procedure takes beyond their range, which else are named
         and left out.
-    seed, workers, executor
-        As of monte_carlo.sample; workers share out devices.
-    progress : callable, optional
-        Called with what is being done, judgements done and those in all.
 
     Returns
     -------
@@ -142,25 +100,18 @@ def compare(
     """
     imus = load_devices(devices, variants=True)
     wanted = load_requirement(requirement)
-    journey = None if mission is None else load_mission(mission)
+    journey = inputs.journey
     of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
     shared = replace(wanted, limits=of_both)
     tests = tuple(
-        load_calibration(
-            calibration,
-            one,
-            station=station,
-            age=age,
-            environment=environment,
-            mission=journey,
-            requirement=wanted,
-        )
+        inputs.calibrated(mission=journey, requirement=wanted, by=one)
         for one in several(procedures) or (None,)
     )
     for test in tests:
         refuse_unjudged(wanted, journey, test)
-    most = max(trials, MAX_TRIALS) if max_trials is None else max_trials
-    _check(method, trials=trials, max_trials=most, validate=validate)
+    trials = TRIALS if asked.trials is None else asked.trials
+    most = asked.max_trials or max(trials, MAX_TRIALS)
+    _check(asked, trials=trials, max_trials=most)
     check_names(tests)
     candidates, places = [], []
     for test in tests:
@@ -175,8 +126,8 @@ def compare(
                     requirement=wanted,
                     mission=on,
                     carried_to=None if on is None else (),
-                    missing=missing,
-                    catalogue=catalogue,
+                    missing=asked.missing,
+                    catalogue=inputs.catalogue,
                 )
                 candidates += [one.alone(owner) for owner in one.limited]
                 places += [place] * len(one.limited)
@@ -200,20 +151,20 @@ def compare(
             "limits for what is estimated, or give other devices or procedures"
         )
     judging = Judging(
-        method=method,
+        method=asked.method,
         coverage=wanted.coverage,
-        seed=seed,
+        seed=asked.seed,
         trials=trials,
         max_trials=most,
-        validate=validate,
+        validate=asked.validate,
     )
-    with local_executor(1 if executor is not None else workers) as pool:
+    with local_executor(1 if engine.executor else engine.workers) as pool:
         findings = judge_all(
             judged,
             judging,
-            executor=executor or pool,
-            ahead=2 * workers,
-            progress=stage(progress, "comparison of devices"),
+            executor=engine.executor or pool,
+            ahead=2 * engine.workers,
+            progress=engine.stage("comparison of devices"),
         )
     where = {id(one): place for one, place in zip(candidates, places, strict=True)}
     verdicts = [
@@ -232,14 +183,9 @@ def compare(
             input_file("requirement", wanted),
             *named_files(tests),
         ),
-        settings=Settings(
-            method=method,
-            trials=trials if method == "monte-carlo" or validate else None,
-            seed=seed,
-            coverage=wanted.coverage,
-            interval="symmetric",
-            reference=wanted.reference,
-            missing=missing,
+        settings=replace(
+            asked.settle(wanted),
+            trials=trials if asked.method == "monte-carlo" or asked.validate else None,
             formulas=", ".join(dict.fromkeys(p.formulas for p in tests)),
             normals_per_trial=max((finding.normals for finding in findings), default=0),
         ),
@@ -311,11 +257,9 @@ def _can_be_asked(
     return any(calibrates(sensor.kind, procedure) for sensor in device.sensors)
 
 
-def _check(method: str, *, trials: int, max_trials: int, validate: bool) -> None:
-    """Refuse options that mean nothing, or nothing together."""
-    if method not in METHODS:
-        raise CallError(f"method is {method!r}, allowed: {', '.join(METHODS)}")
-    if validate and method != "gum":
+def _check(asked: Asked, *, trials: int, max_trials: int) -> None:
+    """Refuse options that mean nothing together."""
+    if asked.validate and asked.method != "gum":
         raise CallError(
             "--validate checks the law of propagation, which --method monte-carlo "
             "does not use; leave it out, or take --method gum"

@@ -13,6 +13,8 @@ from budget.errors import CallError
 from budget.methods.execution import in_order
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
+from budget.missing import shipped_devices
+from budget.missing.prediction import prepare
 from budget.studies.comparison.candidates import find_remedy
 from budget.studies.comparison.records import Lead, Remedy
 from budget.studies.doubt import doubt_of
@@ -29,6 +31,8 @@ from budget.studies.judgement import (
 )
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.verdicts import FAILS, decide
+
+CHUNK = 64  # candidates that are judged by the law at once
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -50,6 +54,11 @@ class Judging:
     trials: int
     max_trials: int
     validate: bool  # whether Monte Carlo checks the law, by gum
+
+    @property
+    def by_law(self) -> bool:
+        """Whether no trial is made."""
+        return self.method == "gum" and not self.validate
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,10 +100,15 @@ def judge_all(
     def take(places: Sequence[int], work: Callable[..., JudgedCandidate]) -> None:
         nonlocal done
         total = done + len(places)
-        tasks = [(candidates[place], findings.get(place)) for place in places]
-        for place, finding in zip(
-            places, in_order(work, tasks, executor, ahead=ahead), strict=True
-        ):
+        # By the law a chunk is sooner judged than sent; trials are shared out singly.
+        size = CHUNK if judging.by_law else 1
+        tasks = (
+            [(candidates[place], findings.get(place)) for place in places[k : k + size]]
+            for k in range(0, len(places), size)
+        )
+        results = in_order(partial(_each, work=work), tasks, executor, ahead=ahead)
+        each = (finding for some in results for finding in some)
+        for place, finding in zip(places, each, strict=True):
             findings[place] = finding
             done += 1
             if progress is not None:
@@ -111,13 +125,24 @@ def judge_all(
     return [findings[place] for place in range(len(candidates))]
 
 
+def _each(
+    tasks: Sequence[tuple[Question, JudgedCandidate | None]],
+    *,
+    work: Callable[..., JudgedCandidate],
+) -> list[JudgedCandidate]:
+    """Judge some candidates, one after the other; what they share is made at once."""
+    devices = dict.fromkeys(device for one, _ in tasks for device in one.devices)
+    prepare(devices, tasks[0][0].catalogue or shipped_devices())
+    return [work(task) for task in tasks]
+
+
 def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
     """Judge one candidate, by the law alone or as every command does."""
     one = replace(task[0])  # of thousands no Problem is kept
     held, law = held_of(one), one.law
     prediction = one.filled.prediction
     doubtful: tuple[str, ...] = ()
-    if judging.method == "gum" and not judging.validate:
+    if judging.by_law:
         judged = screen(held, law, seed=judging.seed)
     else:
         judged = judge(
@@ -145,7 +170,7 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
         doubt = doubt_of(prediction, held, law, judged)
     readings = None
     if prediction is None and len(one.sensors) == 1:
-        by_law = judging.method == "gum" and not judging.validate
+        by_law = judging.by_law
         is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
             one,

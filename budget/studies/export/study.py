@@ -12,13 +12,13 @@ import numpy as np
 from budget import views
 from budget.documents import written
 from budget.errors import CallError
-from budget.inputs import load_devices, load_procedure
-from budget.missing import REFUSE as REFUSE_MISSING
+from budget.inputs import load_devices
 from budget.missing import fill_all
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.question import sensors_of
 from budget.results import InputFile, Tabled, input_files
+from budget.settings import Asked, Inputs, asking
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
 from budget.studies.export.template import fill_in, find_target
@@ -107,15 +107,15 @@ class Export(Tabled):
         return text
 
 
+@asking("export")
 def export(
     *devices: Device | File,
     to: str,
-    procedure: Procedure | File | None = None,
+    inputs: Inputs,
+    asked: Asked,
     residual: bool = False,
     inflate: float = 1.0,
     rate: float | None = None,
-    missing: str = REFUSE_MISSING,
-    catalogue: Sequence[Device] | None = None,
 ) -> Export:
     """Put the figures of devices as a target counts them.
 
@@ -125,8 +125,6 @@ def export(
         Together one gyro and one accelerometer.
     to : str
         Name of the target.
-    procedure : Procedure, optional
-        The calibration whose residual is asked for; the paper's, if none is given.
     residual : bool
         Whether bias, scale factor and mounting angles are what that calibration leaves
         at the next turn-on, by the law of propagation, in place of the raw lines.
@@ -134,10 +132,6 @@ def export(
         Factor on every standard deviation and density; variances take its square [1].
     rate : float, optional
         Samples in a second [Hz].
-    missing : str
-        What stands for expected lines that are not given (budget.missing).
-    catalogue : sequence of Device, optional
-        Where comparable devices are looked for; without it those that ship.
 
     Raises
     ------
@@ -147,12 +141,12 @@ def export(
     imus = load_devices(devices)
     target = find_target(to)
     _check(target, inflate=inflate, rate=rate)
-    if procedure is not None and not residual:
+    if inputs.procedure is not None and not residual:
         raise CallError(
             f"a procedure changes nothing without --residual: {target.name} gets the "
             "raw figures of the data sheet; add --residual, or leave the procedure out"
         )
-    imus, filling = fill_all(imus, missing, catalogue)
+    imus, filling = fill_all(imus, asked.missing, inputs.catalogue)
     told = {line.source: line for line in filling.lines}
     sensors = {one.kind: one for one in sensors_of(imus)}
     absent = [kind for kind in SENSORS if kind not in sensors]
@@ -169,7 +163,7 @@ def export(
                 f"--residual changes no key of {target.title}, which takes noise alone "
                 "and nothing that a calibration finds; leave the option out"
             )
-        how = load_procedure(procedure)
+        how = inputs.calibrated()
         left = analyze(*imus, procedure=how, reference=REFERENCE, validate=False)
     name = "" if how is None else how.name
     known = {
@@ -208,7 +202,7 @@ def export(
         notes=(*target.notes, *_notes(target, known, entries)),
         assumptions=assumptions if left is None else _all(assumptions, left),
         warnings=() if left is None else left.warnings,
-        missing=missing,
+        missing=asked.missing,
         rate=rate,
         inflate=inflate,
         procedure=name,
