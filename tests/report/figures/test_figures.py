@@ -149,9 +149,9 @@ def test_each_group_has_a_bar_of_its_whole_variance():
     for row, group in zip(rows, group_tables(budget), strict=True):
         assert row.marks[0].start == 0.0
         assert_allclose(row.marks[-1].end, 100.0, rtol=1e-12)
-        looks = [mark.colour for mark in row.marks if mark.colour != REST]
+        inks = [mark.colour for mark in row.marks if mark.colour != REST]
         order = [looks()[name.quantity][0] for name in in_order(sources_of(group))]
-        assert looks == [one for one in order if one in looks]
+        assert inks == [one for one in order if one in inks]
     assert_says(chart.title, "of the variance of the")
     assert "rest" not in chart.alt
 
