@@ -101,9 +101,8 @@ def normal_coverage_factor(coverage: float | Array) -> float | Array:
     """Return k with which a normal error is within k u with that probability [1]."""
     if np.ndim(coverage) == 0:  # without scipy, which takes long to load
         return NormalDist().inv_cdf((1.0 + float(coverage)) / 2.0)
-    from scipy.special import ndtri
-
-    return np.asarray(ndtri((1.0 + coverage) / 2.0))
+    each = [normal_coverage_factor(one) for one in np.ravel(coverage).tolist()]
+    return np.reshape(each, np.shape(coverage))
 
 
 def _normal(p: Array) -> Array:

@@ -375,6 +375,19 @@ class Problem:
             groups.extend(group for group in members if group not in normal)
         return replace(self, groups=tuple(groups))
 
+    def resized(self, factors: Array) -> Problem:
+        """Return it with every standard uncertainty of each group times its factor.
+
+        Shape (n_groups,) [1].
+        """
+        groups = (
+            group
+            if factor == 1.0
+            else replace(group, covariance=group.covariance * factor**2)
+            for group, factor in zip(self.groups, factors.tolist(), strict=True)
+        )
+        return replace(self, groups=tuple(groups))
+
     @cached_property
     def mean(self) -> Array:
         """Best estimates of all inputs, shape (n_inputs,) [SI]."""

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import traceback
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from functools import cache
+from hashlib import sha256
+from importlib.util import cache_from_source
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
     from jinja2 import Environment
+    from jinja2.bccache import Bucket
     from jinja2.sandbox import SandboxedEnvironment
     from markupsafe import Markup
 
@@ -161,11 +167,44 @@ def template_environment(**options: object) -> SandboxedEnvironment:
     OutputError
         By what asks it for a template that is missing.
     """
-    from jinja2 import FileSystemLoader, StrictUndefined, TemplateNotFound
+    from jinja2 import (
+        BytecodeCache,
+        FileSystemLoader,
+        StrictUndefined,
+        TemplateNotFound,
+    )
+    from jinja2 import __version__ as jinja_version
     from jinja2.sandbox import SandboxedEnvironment
 
     own = _own.get()
     ships = shipped(TEMPLATES)
+    maker = repr((jinja_version, sorted(map(_called, options.items())), _code()))
+
+    class Kept(BytecodeCache):
+        """What templates that ship were compiled to, where Python keeps its own."""
+
+        def get_cache_key(self, name: str, filename: str | None = None) -> str:
+            if filename is None or not Path(filename).is_relative_to(ships):
+                return ""
+            flat = "-".join((TEMPLATES, *Path(name).parts, "compiled"))
+            return cache_from_source(str(PACKAGE / f"{flat}.py"))
+
+        def get_source_checksum(self, source: str) -> str:
+            return sha256(f"{maker}\n{source}".encode()).hexdigest()
+
+        def load_bytecode(self, bucket: Bucket) -> None:
+            with suppress(OSError), Path(bucket.key).open("rb") as file:
+                bucket.load_bytecode(file)
+
+        def dump_bytecode(self, bucket: Bucket) -> None:
+            if not bucket.key or sys.dont_write_bytecode:
+                return
+            own = Path(f"{bucket.key}-{os.getpid()}")
+            with suppress(OSError):
+                own.parent.mkdir(parents=True, exist_ok=True)
+                own.write_bytes(bucket.bytecode_to_string())
+                own.replace(bucket.key)
+
     folders = [ships] if own is None else [own, ships]
 
     class Loader(FileSystemLoader):
@@ -194,6 +233,7 @@ def template_environment(**options: object) -> SandboxedEnvironment:
 
     environment = SandboxedEnvironment(
         loader=Loader(folders),
+        bytecode_cache=Kept(),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -202,6 +242,20 @@ def template_environment(**options: object) -> SandboxedEnvironment:
     )
     environment.filters["embedded"] = embedded
     return environment
+
+
+def _called(option: tuple[str, object]) -> tuple[str, str]:
+    """Return an option of an environment with what it is called, not where it is."""
+    name, value = option
+    each = value if isinstance(value, list | tuple) else (value,)
+    return name, " ".join(getattr(one, "__qualname__", str(one)) for one in each)
+
+
+@cache
+def _code() -> tuple[tuple[str, int], ...]:
+    """Return what tells one state of the program from another: filters are compiled."""
+    files = sorted(PACKAGE.rglob("*.py"))
+    return tuple((str(one), one.stat().st_mtime_ns) for one in files)
 
 
 def embedded(name: str) -> Markup:

@@ -13,6 +13,7 @@ import numpy as np
 from budget import views
 from budget.documents import Documented, Shown, document, written
 from budget.errors import NotThereError
+from budget.known import Known
 from budget.language import note
 from budget.names import Name, braced, spellings, with_parts
 from budget.problem import Output
@@ -68,18 +69,15 @@ written(
     unit: of all its numbers
     """,
 )(Output)
-written(
-    "standing",
-    """
-    sensor = 0 (str): or 'mission'
-    *1 as verdict
-    """,
-    said="A verdict and what it stands on, the same in every command.",
-)(tuple)
 
 
-class Tabled(Shown, Documented):
-    """A result of a study that is a table."""
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Study(Shown, Documented):
+    """What a study has found, a table, and what it rests on."""
+
+    inputs: tuple[InputFile, ...]  # files that it depends on
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
 
     def to_frame(self) -> pd.DataFrame:
         """Return its rows as a pandas frame, in printed units."""
@@ -238,6 +236,114 @@ class Radii:
 CEP, R95 = 0.5, 0.95  # coverages of these [1]
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LimitedOutput(Documented):
+    """An output and its limit, where it has one."""
+
+    output: Output
+    limit: float = inf  # on the absolute error [SI]
+    printed_limit: str = ""  # as the requirement file gives it
+    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
+
+    @property
+    def sensor(self) -> str:
+        """Owner of the output: gyro, accelerometer or, of both together, imu."""
+        return self.output.name.owner
+
+    @property
+    def parameter(self) -> str:
+        """scale_factor, mounting_angle, bias, or what is derived of them."""
+        return self.output.name.quantity
+
+    @property
+    def axis(self) -> str:
+        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
+        return self.output.name.axis
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether anything that is given reaches it."""
+        return True
+
+    def known(self, size: float) -> Known:
+        """Return a size of it, which a line that is not given would add to."""
+        return Known.of(size, self.lacks, is_felt=self.is_resolved)
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether its sizes are this or more: a line that reaches it lacks."""
+        return bool(self.lacks)
+
+
+@written(
+    "limited_output",
+    """
+    *output as key
+    coverage? [1]: of the interval; where none stands here it is the requirement's
+    resolution = output.resolution / unit: a spread at or below this is rounding
+    limit / unit: on the absolute error
+    standard_uncertainty / unit: by the law
+    interval / unit: coverage interval
+    interval_by: what it is of, 'law', 'monte-carlo', ...
+    largest_error / unit: larger absolute end of the interval
+    utilisation [1]: largest error over limit
+    conformance [1]: probability that the error is within the limit
+    lower_bound: whether a line that is not given would widen it
+    nothing_known = is_unknown: whether no line that is given reaches it besides
+    """,
+    said="One required output against its limit.",
+)
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JudgedOutput(LimitedOutput):
+    """One output, how large its error is, and its limit, where it has one [SI]."""
+
+    standard_uncertainty: float
+    interval: tuple[float, float]  # coverage interval
+    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
+    coverage: float | None = None  # of its interval; None: the usual one [1]
+    conformance: float = 1.0  # probability that the error is within the limit [1]
+
+    @property
+    def by_trials(self) -> bool:
+        """Whether the interval is of Monte Carlo, the law not being sure enough."""
+        return self.interval_by == BY_TRIALS
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the spread is more than the rounding of the computation."""
+        return self.standard_uncertainty > self.output.resolution
+
+    @property
+    def u(self) -> Known:
+        """Its standard uncertainty, as far as it is known [SI]."""
+        return self.known(self.standard_uncertainty)
+
+    @property
+    def is_unknown(self) -> bool:
+        """Whether nothing is known of it: no given line reaches it, one lacks."""
+        return self.u.is_unknown
+
+    @property
+    def largest_error(self) -> Known:
+        """Largest absolute end of the coverage interval [SI]."""
+        return self.known(max(map(abs, self.interval)))
+
+    @property
+    def utilisation(self) -> Known:
+        """Largest error over limit [1]."""
+        return self.largest_error / self.limit
+
+    @property
+    def is_within(self) -> bool:
+        """Whether the largest error is at most the limit."""
+        return settle(self.utilisation) <= 1.0
+
+
+def worst_of(rows: Sequence[JudgedOutput]) -> JudgedOutput:
+    """Return the output that uses most of its limit; of equal ones the first."""
+    return rows[first_largest([row.utilisation for row in rows])]
+
+
 @written(
     "output",
     """
@@ -265,23 +371,17 @@ CEP, R95 = 0.5, 0.95  # coverages of these [1]
     """,
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class OutputBudget(Shown):
+class OutputBudget(Shown, JudgedOutput):
     """Expected error, its uncertainty and the contributions, for one output [SI]."""
 
-    output: Output
     mean: float
-    standard_uncertainty: float
-    interval: tuple[float, float]
     contributions: tuple[Contribution, ...]
-    interval_by: str = BY_LAW  # or 'monte-carlo', 'simulation', 'prediction'
-    u_by: str = BY_LAW  # what mean and standard uncertainty are of, likewise
+    u_by: str = BY_LAW  # what mean and standard uncertainty are of, as `interval_by`
     law_factor: float | None = None  # k of the law [1], whatever the interval is of
     validation: Validation | None = None
-    lacks: tuple[Name, ...] = ()  # expected lines, not given, that would widen it
     # Effective ones of u by the law, JCGM 100:2008, eq. (G.2b); None where u is of
     # trials or a lower bound, or a line of other devices is in it.
     degrees_of_freedom: float | None = inf
-    coverage: float | None = None  # of its interval; None: the settings' [1]
     radii: Radii | None = None  # of a length
 
     @property
@@ -293,26 +393,6 @@ class OutputBudget(Shown):
         if not self.is_resolved or self.interval_by != self.u_by:
             return None
         return (self.interval[1] - self.interval[0]) / 2.0 / self.standard_uncertainty
-
-    @property
-    def by_trials(self) -> bool:
-        """Whether the interval is of Monte Carlo."""
-        return self.interval_by == BY_TRIALS
-
-    @property
-    def sensor(self) -> str:
-        """Owner of the output: gyro, accelerometer or, of both together, imu."""
-        return self.output.name.owner
-
-    @property
-    def parameter(self) -> str:
-        """scale_factor, mounting_angle, bias, or what is derived of them."""
-        return self.output.name.quantity
-
-    @property
-    def axis(self) -> str:
-        """x, y, z or, of an angle, xy, xz, yx, yz, zx, zy."""
-        return self.output.name.axis
 
     def in_unit(self, unit: str = "") -> InUnit:
         """Return its numbers in a unit, the printed one without: both agree.
@@ -340,26 +420,6 @@ class OutputBudget(Shown):
             for part in self.contributions
         )
         return replace(self, lacks=lacks, contributions=tuple(contributions))
-
-    @property
-    def is_resolved(self) -> bool:
-        """Whether the spread is more than the rounding of the computation."""
-        return self.standard_uncertainty > self.output.resolution
-
-    @property
-    def lower_bound(self) -> bool:
-        """Whether the uncertainty is this or more: a line that reaches it lacks."""
-        return bool(self.lacks)
-
-    @property
-    def is_unknown(self) -> bool:
-        """Whether nothing is known of it: no given line reaches it, one lacks."""
-        return self.lower_bound and not self.is_resolved
-
-    @property
-    def largest_error(self) -> float:
-        """Largest absolute end of the coverage interval [SI]."""
-        return max(abs(self.interval[0]), abs(self.interval[1]))
 
     @property
     def ranked(self) -> tuple[Contribution, ...]:
@@ -492,7 +552,8 @@ class Bias:
     sensor_to_body = self as uncertain_matrix: T, the inverse of M
     bias_sensor = sensor_axes as bias_of_matrix: taken off before T
     bias_body = body_axes as bias_of_matrix: taken off after T
-    bias_lower_bound: whether lines that are not given would widen the biases
+    bias_lower_bound = bias_lacks (bool): whether lines that are not given would widen
+      the biases
     covariance = printed (list[list[float]]) [products of units]: of T row by row, bias
       in sensor axes, bias in body axes
     """,
@@ -505,7 +566,7 @@ class Bias:
     """
     value = T (list[list[float]]) [1]: row by row
     standard_uncertainty = u (list[list[float]]) [1]: of its elements
-    lower_bound: whether lines that are not given would widen it
+    lower_bound = lacks (bool): whether lines that are not given would widen it
     """,
     u=lambda found: found.standard_uncertainty[:9].reshape(3, 3),
 )
@@ -528,16 +589,16 @@ class Compensation(Documented):
         At the nominal values of the device [SI].
     covariance : ndarray, shape (15, 15)
         Joint, of what a calibration finds [products of SI units].
-    lower_bound, bias_lower_bound : bool
-        Whether expected lines that are not given would widen T, and the biases.
+    lacks, bias_lacks : tuple of Name
+        Expected lines that are not given and would widen T, and the biases.
     """
 
     sensor: str
     outputs: tuple[Output, ...]
     value: Array
     covariance: Array = field(repr=False)
-    lower_bound: bool = False
-    bias_lower_bound: bool = False
+    lacks: tuple[Name, ...] = ()
+    bias_lacks: tuple[Name, ...] = ()
 
     @property
     def standard_uncertainty(self) -> Array:
@@ -579,7 +640,8 @@ class Compensation(Documented):
     """
     name: of the procedure
     cep [m]: of the horizontal position, time by time
-    lower_bound: whether an expected line that is not given would widen it
+    lower_bound = lacks (bool): whether an expected line that is not given would widen
+      it
     worse_than: the maker's calibration, where it is farther off at the end than after
       that
     because: the line that adds most then
@@ -591,7 +653,7 @@ class Calibrated:
 
     name: str  # of the procedure
     cep: tuple[float, ...]  # of the horizontal position, time by time [m]
-    lower_bound: bool  # whether an expected line that is not given would widen it
+    lacks: tuple[Name, ...]  # expected lines, not given, that would widen it
     # Of a test after which it is larger at the end than after the maker's calibration:
     # the name of that, and the line that adds most; '' and None of others.
     worse_than: str = ""
@@ -748,7 +810,7 @@ class Filtered:
     said="A line in the place of an expected one that is not given.",
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Budget(Shown, Documented):
+class Budget(Study):
     """The error budget of a calibration: every output, and how they go together.
 
     Or of a mission after it, whose outputs are errors of navigation at some times.
@@ -769,13 +831,10 @@ class Budget(Shown, Documented):
 
     command: str
     title: str
-    inputs: tuple[InputFile, ...]
     settings: Settings
     outputs: tuple[OutputBudget, ...]
     covariance: Array = field(repr=False)
     not_given: tuple[Name, ...]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     matrices: Mapping[str, Compensation] = field(default_factory=dict)
@@ -1061,64 +1120,6 @@ class Probability(Documented):
 
 
 @written(
-    "limited_output",
-    """
-    *output as key
-    coverage? [1]: of the interval; where none stands here it is the requirement's
-    resolution = output.resolution / unit: a spread at or below this is rounding
-    limit / unit: on the absolute error
-    standard_uncertainty / unit: by the law
-    interval / unit: coverage interval
-    interval_by: what it is of, 'law', 'monte-carlo', ...
-    largest_error / unit: larger absolute end of the interval
-    utilisation [1]: largest error over limit
-    conformance [1]: probability that the error is within the limit
-    lower_bound: whether a line that is not given would widen it
-    nothing_known = is_unknown: whether no line that is given reaches it besides
-    """,
-)
-@dataclass(frozen=True, kw_only=True, slots=True)
-class OutputAssessment(Documented):
-    """One required output against its limit [SI]."""
-
-    output: Output
-    limit: float
-    printed_limit: str  # as the requirement file gives it
-    standard_uncertainty: float  # by the law
-    interval: tuple[float, float]  # coverage interval
-    interval_by: str  # 'law' or 'monte-carlo'
-    conformance: float  # probability that the error is within the limit [1]
-    lower_bound: bool = False  # a line that is not given would widen it
-    is_unknown: bool = False  # and no line that is given reaches it
-    coverage: float | None = None  # of the interval; None: the requirement's [1]
-
-    @property
-    def largest_error(self) -> float:
-        """Largest absolute end of the coverage interval [SI]."""
-        return max(abs(self.interval[0]), abs(self.interval[1]))
-
-    @property
-    def utilisation(self) -> float:
-        """Largest error over limit [1]."""
-        return self.largest_error / self.limit
-
-    @property
-    def by_monte_carlo(self) -> bool:
-        """Whether the interval is of trials, the law not being sure enough."""
-        return self.interval_by == BY_TRIALS
-
-    @property
-    def is_within(self) -> bool:
-        """Whether the largest error is at most the limit."""
-        return settle(self.utilisation) <= 1.0
-
-
-def worst_of(rows: Sequence[OutputAssessment]) -> OutputAssessment:
-    """Return the output that uses most of its limit; of equal ones the first."""
-    return rows[first_largest([row.utilisation for row in rows])]
-
-
-@written(
     "reading_effect",
     """
     line: whose meaning the data sheet leaves open
@@ -1200,14 +1201,26 @@ class ReadingVerdicts(Documented):
     text: in words
     """,
 )
+@written(
+    "caution",
+    """
+    kind
+    line
+    text: in words
+    bound [unit]
+    unit
+    """,
+    said="What qualifies a verdict, beside it wherever it stands.",
+)
 @dataclass(frozen=True, kw_only=True)
 class Condition(Documented):
     """What must hold for a verdict, or what decides it and has to be asked for.
 
-    Of a line that is not given, or of a use that nobody has stated.
+    Of a line that is not given, or of a use that nobody has stated. Or what qualifies
+    it, beside it wherever it stands.
     """
 
-    kind: str  # 'missing', 'temperature', 'vibration', 'age'
+    kind: str  # 'missing', 'temperature', 'vibration', 'age', ...
     line: Name
     text: str
     # The bound [SI]; None: none is needed, or none is known.
@@ -1221,28 +1234,55 @@ class Condition(Documented):
     # Lines of a use that nobody has stated, which its sheet does not give.
     silent: tuple[Name, ...] = ()
 
+    @property
+    def bound(self) -> float | None:
+        """The bound in its unit, where there is one."""
+        return None if self.below is None else self.below / self.si_per_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remedy:
+    """The source that limits a sensor, and what its line alone would have to be."""
+
+    source: Name
+    share: float  # of the variance of the worst output [1]
+    factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
+
+
+# Of what nobody can judge.
+UNJUDGED = Known(inf, low=-inf)
+NO_REMEDY = Remedy(source=INTERACTION, share=0.0, factor=None)
+NO_CONFORMANCE = Probability(value=0.0, low=0.0, high=1.0)
+
 
 @written(
-    "caution",
+    "sensor_verdict",
     """
-    kind
-    line
-    text: in words
-    bound [unit]
-    unit
+    sensor
+    *self as verdict
+    utilisation [1]: the largest over its required outputs
+    utilisation_interval [1]: 95 % sampling, and the law's error
+    worst_output: that uses most of its limit
+    worst_outputs: that one and all that are equal to it
+    limiting_source = remedy.source: with the largest share there
+    *known_conformance as conformance
+    trials: that were made; null by the law alone
+    expected_missing: lines that a 'meets' cannot do without
+    nothing_known: whether no error line is given
+    predicted? = doubt: where the verdict rests on predicted lines
+    not_estimated?: parameters with limits that are held in the test
+    readings?: verdicts under the readings of lines whose meaning is open
     """,
+    said="The verdict on one triad.",
 )
-@dataclass(frozen=True, kw_only=True)
-class Caution(Documented):
-    """What qualifies a verdict, beside it wherever it stands."""
-
-    kind: str
-    line: Name
-    text: str
-    bound: float | None = None  # [unit]
-    unit: str = ""
-
-
+@written(
+    "standing",
+    """
+    sensor: or 'mission'
+    *self as verdict
+    """,
+    said="A verdict and what it stands on, the same in every command.",
+)
 @written(
     "verdict",
     f"""
@@ -1253,21 +1293,24 @@ class Caution(Documented):
     mission or null: on which
     decision: by which rule limits are held
     conditions: that it rests on, or that decide
-    cautions
+    cautions as caution
     utilisation_at_ceilings = at_ceilings [1]: with every missing line at its ceiling;
       null where one has none
     """,
+    said="A verdict and what it stands on, the same in every command.",
 )
 @dataclass(frozen=True, kw_only=True)
-class Standing(Documented):
+class Verdict(Documented):
     """A verdict and what it stands on, the same in every command.
 
-    In words: after which calibration, at which station, in which use, of which mission.
+    On a sensor, on what belongs to both, or on a mission. In words: after which
+    calibration, at which station, in which use, of which mission.
     """
 
+    # 'meets', 'meets_if', 'predicted', 'undecided', 'undecidable', 'fails'.
     verdict: str
     conditions: tuple[Condition, ...] = ()  # that it holds if, or that decide
-    cautions: tuple[Caution, ...] = ()
+    cautions: tuple[Condition, ...] = ()
     # Utilisation with every missing line at its ceiling [1]; None: one has none.
     at_ceilings: float | None = None
     calibration: str = ""
@@ -1277,6 +1320,23 @@ class Standing(Documented):
     decision: str = ""  # by which rule limits are held
     # Lines that are not given and, whatever they are, take next to nothing of a limit.
     negligible: tuple[Name, ...] = ()
+    sensor: str = ""  # gyro, accelerometer; 'imu' of both, 'mission'
+    # Required outputs against their limits; () of what nobody can judge, and below.
+    outputs: tuple[JudgedOutput, ...] = ()
+    utilisation: Known = UNJUDGED  # the largest of them [1]
+    # 95 % sampling, and the law's error [1].
+    utilisation_interval: tuple[float, float] = (0.0, inf)
+    worst_outputs: tuple[Name, ...] = ()  # the worst, and all equal to it by the law
+    remedy: Remedy = NO_REMEDY
+    # Of all outputs together.
+    conformance: Probability = NO_CONFORMANCE
+    at_medians: bool = False  # its numbers are those at medians of predicted lines
+    trials: int | None = None  # that were made; None by the law alone
+    expected_missing: tuple[Name, ...] = ()  # lines that a 'meets' cannot do without
+    nothing_known: bool = False  # no error line is given: a 0 is no good news
+    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
+    not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
+    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
 
     @property
     def saturates(self) -> bool:
@@ -1314,64 +1374,19 @@ class Standing(Documented):
             use=self.use,
         )
 
-    def beside(self, other: Standing, *, verdict: str) -> Standing:
-        """Return how both stand as one: with the conditions and the cautions of both.
-
-        What both say alike stands once.
-        """
-        ceilings = (self.at_ceilings, other.at_ceilings)
-        known = [used for used in ceilings if used is not None]
-        return replace(
-            self,
-            verdict=verdict,
-            conditions=tuple(dict.fromkeys((*self.conditions, *other.conditions))),
-            cautions=tuple(dict.fromkeys((*self.cautions, *other.cautions))),
-            at_ceilings=max(known) if len(known) == len(ceilings) else None,
-        )
-
-
-@written(
-    "sensor_verdict",
-    """
-    sensor
-    *standing as verdict
-    utilisation [1]: the largest over its required outputs
-    utilisation_interval [1]: 95 % sampling, and the law's error
-    worst_output: that uses most of its limit
-    worst_outputs: that one and all that are equal to it
-    limiting_source: with the largest share there
-    *conformance as conformance
-    trials: that were made; null by the law alone
-    expected_missing: lines that a 'meets' cannot do without
-    nothing_known: whether no error line is given
-    predicted? = doubt: where the verdict rests on predicted lines
-    not_estimated?: parameters with limits that are held in the test
-    readings?: verdicts under the readings of lines whose meaning is open
-    """,
-)
-@dataclass(frozen=True, kw_only=True)
-class SensorAssessment:
-    """The verdict on one triad."""
-
-    sensor: str  # gyro or accelerometer
-    standing: Standing
-    utilisation: float  # the largest over its required outputs [1]
-    utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
-    worst_output: Name
-    worst_outputs: tuple[Name, ...]  # that one and all that are equal to it
-    limiting_source: Name
-    conformance: Probability | None  # of all its outputs together; None: not known
-    trials: int | None  # that were made; None by the law alone
-    expected_missing: tuple[Name, ...]  # lines that a 'meets' cannot do without
-    nothing_known: bool = False  # no error line is given: a 0 is no good news
-    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
-    not_estimated: tuple[Name, ...] = ()  # parameters with limits, held in the test
-    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
+    @property
+    def worst_output(self) -> Name:
+        """The output that uses most of its limit; of equal ones the first."""
+        return worst_of(self.outputs).output.name
 
     @property
-    def verdict(self) -> str:
-        """'meets', 'meets_if', 'predicted', 'undecided', 'undecidable', 'fails'."""
-        return self.standing.verdict
+    def known_conformance(self) -> Probability | None:
+        """None where its numbers are not those of what is there.
+
+        At the medians of predicted lines it would look better than it is.
+        """
+        is_other = self.at_medians or self.nothing_known or self.saturates
+        return None if is_other else self.conformance
 
     @property
     def is_near(self) -> bool:
@@ -1384,6 +1399,31 @@ class SensorAssessment:
         """Whether it is undecided because another reading of its lines fails."""
         is_all = self.readings is None or self.readings.passes == "all"
         return self.verdict == "undecided" and not self.is_near and not is_all
+
+    def beside(self, other: Verdict) -> Self:
+        """Return how both stand as one: the graver, what both hold if, and cautions.
+
+        What both say alike stands once; numbers are those of the one that uses most.
+        """
+        ceilings = (self.at_ceilings, other.at_ceilings)
+        known = [used for used in ceilings if used is not None]
+        both: tuple[Verdict, ...] = (self, other)
+        worst = max(both, key=lambda one: settle(one.utilisation))
+        return replace(
+            self,
+            verdict=max(self.verdict, other.verdict, key=VERDICTS.index),
+            outputs=(*self.outputs, *other.outputs),
+            utilisation=Known.largest(one.utilisation for one in both),
+            utilisation_interval=worst.utilisation_interval,
+            worst_outputs=worst.worst_outputs,
+            remedy=worst.remedy,
+            at_medians=self.at_medians or other.at_medians,
+            doubt=None,
+            readings=None,
+            conditions=tuple(dict.fromkeys((*self.conditions, *other.conditions))),
+            cautions=tuple(dict.fromkeys((*self.cautions, *other.cautions))),
+            at_ceilings=max(known) if len(known) == len(ceilings) else None,
+        )
 
 
 @written(
@@ -1424,8 +1464,8 @@ class Assessment(Documented):
     """A budget held against a requirement."""
 
     requirement: str  # its name
-    outputs: tuple[OutputAssessment, ...]
-    sensors: tuple[SensorAssessment, ...]
+    outputs: tuple[JudgedOutput, ...]
+    sensors: tuple[Verdict, ...]
     conformance: Probability | None  # of all outputs together; None: nothing known
     not_there: tuple[str, ...] = ()  # sensors with limits that no device has
     caps: tuple[CapAssessment, ...] = ()
@@ -1452,7 +1492,7 @@ class Assessment(Documented):
         return found
 
     @property
-    def judged(self) -> tuple[OutputAssessment, ...]:
+    def judged(self) -> tuple[JudgedOutput, ...]:
         """Outputs of which something is known."""
         unknown = {one.sensor for one in self.sensors if one.nothing_known}
         return tuple(
@@ -1461,7 +1501,7 @@ class Assessment(Documented):
             if row.output.name.owner not in unknown and not row.is_unknown
         )
 
-    def outcome(self, row: OutputAssessment) -> str:
+    def outcome(self, row: JudgedOutput) -> str:
         """Return 'conforms', 'does not conform', or 'open' where its sensor's limit is.
 
         In the words of JCGM 106:2012, the largest error being held against the limit.
@@ -1475,7 +1515,7 @@ class Assessment(Documented):
         return "conforms" if row.is_within else "does not conform"
 
     @property
-    def open_rows(self) -> tuple[OutputAssessment, ...]:
+    def open_rows(self) -> tuple[JudgedOutput, ...]:
         """Outputs that lines not given leave open; on conditions they are within."""
         waits = {one.sensor for one in self.sensors if one.verdict != "meets_if"}
         return tuple(

@@ -30,13 +30,13 @@ from budget.results import (
     Condition,
     Contribution,
     InputFile,
-    OutputAssessment,
+    JudgedOutput,
     OutputBudget,
     Probability,
-    SensorAssessment,
+    Remedy,
     SobolIndex,
-    Standing,
     Validation,
+    Verdict,
 )
 from budget.settings import Settings
 from budget.studies.coupling import Coupling, CouplingTable
@@ -381,7 +381,7 @@ def make_standing(verdict, sensor="gyro", conditions=1):
     noise = Name("noise", owner=sensor)
     calibration, use = AFTER.split(", ")
     lacks = verdict in {"undecidable", "meets_if"}
-    return Standing(
+    return Verdict(
         verdict=verdict,
         conditions=tuple(
             Condition(
@@ -417,7 +417,7 @@ def make_assessment(budget, limits=None, **verdicts):
             printed, number = limits[group]
             limit = number * row.output.si_per_unit
             outputs.append(
-                OutputAssessment(
+                JudgedOutput(
                     output=row.output,
                     limit=limit,
                     printed_limit=printed,
@@ -434,16 +434,20 @@ def make_assessment(budget, limits=None, **verdicts):
         worst = all_worst[0]
         verdict = verdicts.get(sensor, "meets" if worst.is_within else "fails")
         sensors.append(
-            SensorAssessment(
+            replace(
+                make_standing(verdict, sensor),
                 sensor=sensor,
-                standing=make_standing(verdict, sensor),
+                outputs=tuple(own),
                 utilisation=worst.utilisation,
                 utilisation_interval=(worst.utilisation, worst.utilisation),
                 conformance=Probability(value=0.9, low=0.89, high=0.91),
                 trials=100_000,
-                worst_output=worst.output.name,
                 worst_outputs=tuple(row.output.name for row in all_worst),
-                limiting_source=budget.output(worst.output.name).ranked[0].source,
+                remedy=Remedy(
+                    source=budget.output(worst.output.name).ranked[0].source,
+                    share=1.0,
+                    factor=None,
+                ),
                 expected_missing=(
                     (Name("noise", owner=sensor),) if verdict == "undecidable" else ()
                 ),

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
+    from budget.problem import Function
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -108,6 +109,64 @@ def calibration_problem(
     CallError
         A line is no error source that the program knows.
     """
+    structure = _structure(
+        sensors, procedure, reference=reference, outputs=outputs, every=every
+    )
+    frame = _frame(structure)
+    members = structure.members(frame.statistics, only=only)
+    return Problem(
+        groups=tuple(group for _, group in members),
+        outputs=frame.outputs,
+        function=frame.function,
+    )
+
+
+def retimed(
+    problem: Problem,
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    every: bool = False,
+) -> Problem:
+    """Return a Problem with the noise of windows of other lengths, all else as it is.
+
+    `problem` is of a calibration of these triads, or of what follows from it; see
+    `calibration_problem`.
+    """
+    of = _structure(sensors, procedure, every=every)
+    triads = of.triads(_statistics_of(of))
+    found = {
+        Name(row.given.name, owner=row.owner): _noise_covariance(
+            row.source.effect,
+            row.given,
+            triads[row.owner],
+            procedure.sample_rate,
+            included=True,
+        )
+        for row in of.rows
+        if isinstance(row.source.effect, Noise)
+    }
+
+    def changed(group: Group) -> Group:
+        own = found.get(group.name)
+        if own is None:
+            return group
+        covariance = group.covariance.copy()
+        covariance[: len(own), : len(own)] = own
+        return replace(group, covariance=covariance)
+
+    return replace(problem, groups=tuple(map(changed, problem.groups)))
+
+
+def _structure(
+    sensors: tuple[Sensor, ...],
+    procedure: Procedure,
+    *,
+    reference: str = "nominal",
+    outputs: Sequence[Name] | None = None,
+    every: bool = False,
+) -> _Structure:
+    """Return what is asked of a device; see `calibration_problem`."""
     shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
     there = with_accelerometers(sensors, procedure)
     rows = [
@@ -122,7 +181,7 @@ def calibration_problem(
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
     schemes = schemes_of(there, procedure, every=every)
-    structure = _Structure(
+    return _Structure(
         key=(
             procedure,
             *(reference, every, outputs and tuple(outputs), len(sensors)),
@@ -142,9 +201,13 @@ def calibration_problem(
         outputs=outputs,
         every=every,
     )
-    frame = _frame(structure)
-    members = structure.members(frame.statistics, only=only)
-    return replace(frame.problem, groups=tuple(group for _, group in members))
+
+
+def _statistics_of(of: _Structure) -> dict[str, Statistics]:
+    """Return what each triad needs of its noise."""
+    return {
+        one.kind: _statistics(one, of.schemes[one.kind], of.rows) for one in of.there
+    }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -202,15 +265,14 @@ class _Frame:
     """What devices of one structure share: all of a Problem but its groups."""
 
     statistics: Mapping[str, Statistics]
-    problem: Problem
+    outputs: tuple[Output, ...]
+    function: Function
 
 
 @lru_cache(maxsize=FRAMES)
 def _frame(of: _Structure) -> _Frame:
     """Set up the function and the outputs of a structure."""
-    statistics = {
-        one.kind: _statistics(one, of.schemes[one.kind], of.rows) for one in of.there
-    }
+    statistics = _statistics_of(of)
     triads = tuple(of.triads(statistics).values())
     members = of.members(statistics, only=None)
     groups = tuple(group for _, group in members)
@@ -236,7 +298,9 @@ def _frame(of: _Structure) -> _Frame:
     if of.outputs is not None:
         outputs = [made[name] for name in of.outputs]
         problem = problem.then(combination(names, of.outputs), outputs)
-    return _Frame(statistics=statistics, problem=problem)
+    return _Frame(
+        statistics=statistics, outputs=problem.outputs, function=problem.function
+    )
 
 
 def _design(sensor: Sensor) -> tuple[bytes, bytes]:

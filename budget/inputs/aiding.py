@@ -18,6 +18,7 @@ from budget.inputs.fields import (
     ShortText,
     Sign,
     Strict,
+    Time,
     by_axis,
     fault,
     mapping_of,
@@ -60,7 +61,6 @@ MOST_UNKNOWN = {
 }
 _ROUNDING = 1e-9  # of a time, relative
 
-Time = Annotated[Quantity, Measured("s", bare=True)]
 Rate = Annotated[Quantity, Measured("Hz", Sign.POSITIVE)]
 
 

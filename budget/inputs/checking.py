@@ -17,7 +17,7 @@ from budget.model.sources import every_source, from_outside, twin_of
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from pydantic_core import ErrorDetails
 
@@ -167,16 +167,6 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     return f"; did you mean {same[near[0]]!r}?" if near else ""
 
 
-def _inside(model: type[BaseModel], steps: Sequence[str | int]) -> str:
-    """Return a hint at the one key beside an unknown one that has it inside, or ''."""
-    owners = [
-        key
-        for key, field in _model_at(model, steps[:-1]).model_fields.items()
-        if any(steps[-1] in one.model_fields for one in _models_in(field.annotation))
-    ]
-    return f"; it stands under {owners[0]!r}" if len(owners) == 1 else ""
-
-
 def _see(steps: Sequence[str | int]) -> str:
     """Return where to read how makers print the line of those steps, or ''."""
     found = next(filter(None, (reading_of(str(step)) for step in steps)), None)
@@ -187,39 +177,44 @@ def _issue(
     document: YamlFile, root: Node, model: type[BaseModel], detail: ErrorDetails
 ) -> Issue:
     """Say one finding of pydantic in our words, at its place in the file."""
-    steps = detail["loc"]
-    node = root.nearest(steps)
-    kind, given = detail["type"], node.value
-    on_key = steps[-1:] == (KEY,)
-    if on_key:
-        steps = steps[:-1]
-        given = steps[-1]
-    if kind == "missing":
-        last = steps[-1]
-        missing = repr(last) if isinstance(last, str) else f"item {last + 1}"
-        return document.issue(node, f"{missing} is missing, expected it here")
-    if kind == "extra_forbidden":
-        allowed = tuple(_model_at(model, steps[:-1]).model_fields)
-        message = (
-            f"unknown key {describe(str(steps[-1]))}, allowed: {', '.join(allowed)}"
-            f"{_slip(str(steps[-1]), allowed) or _inside(model, steps)}"
-        )
-        return document.issue(node, message, on_key=True)
+    kind, node = detail["type"], root.nearest(detail["loc"])
+    on_key = detail["loc"][-1:] == (KEY,)
+    steps = detail["loc"][:-1] if on_key else detail["loc"]
+    last = steps[-1] if steps else ""
+    given = last if on_key else node.value
     is_number = isinstance(given, int | float) and not on_key
-    found = node.written if is_number else describe(given)
-    if kind == "budget":
-        message = f"{detail['msg']}{_see(steps) if 'expected' in detail['msg'] else ''}"
-    elif kind == "literal_error":
-        hint = _slip(node.written, _words_of(detail))
-        see = f"; what makers mean: {MEANINGS}" if steps[-1] == "meaning" else ""
-        message = f"found {found}, expected {detail['ctx']['expected']}{hint}{see}"
-    elif kind in _EXPECTED:
-        message = f"found {found}, {_EXPECTED[kind]}{_mended(node, kind)}"
-        if kind == "tuple_type":
-            message += _bracketed(model, steps, node)
-    else:
-        message = f"found {found}, {in_our_words(detail)}"
-    return document.issue(node, message, on_key=on_key)
+    found = f"found {node.written if is_number else describe(given)}, "
+    around = _model_at(model, steps[:-1])
+    expected = detail.get("ctx", {}).get("expected", "")
+    missing = f"item {last + 1}" if isinstance(last, int) else repr(last)
+    see = f"; what makers mean: {MEANINGS}" if last == "meaning" else ""
+    says: dict[str, Callable[[], str]] = {
+        "missing": lambda: f"{missing} is missing, expected it here",
+        "extra_forbidden": lambda: _unknown(around, str(last)),
+        "budget": lambda: (
+            detail["msg"] + (_see(steps) if "expected" in detail["msg"] else "")
+        ),
+        "literal_error": lambda: (
+            f"{found}expected {expected}{_slip(node.written, _words_of(detail))}{see}"
+        ),
+        "tuple_type": lambda: found + _EXPECTED[kind] + _bracketed(around, last, node),
+    }
+    usual = f"{found}{in_our_words(detail)}{_mended(node, kind)}"
+    message = says[kind]() if kind in says else usual
+    return document.issue(node, message, on_key=on_key or kind == "extra_forbidden")
+
+
+def _unknown(model: type[BaseModel], key: str) -> str:
+    """Say that a mapping has no such key, which one may be meant, or where it is."""
+    allowed = tuple(model.model_fields)
+    owners = [
+        own
+        for own, field in model.model_fields.items()
+        if any(key in one.model_fields for one in _models_in(field.annotation))
+    ]
+    inside = f"; it stands under {owners[0]!r}" if len(owners) == 1 else ""
+    hint = _slip(key, allowed) or inside
+    return f"unknown key {describe(key)}, allowed: {', '.join(allowed)}{hint}"
 
 
 def in_our_words(detail: ErrorDetails) -> str:
@@ -241,10 +236,9 @@ def _mended(node: Node, kind: str) -> str:
     return ""
 
 
-def _bracketed(model: type[BaseModel], steps: Sequence[str | int], node: Node) -> str:
+def _bracketed(model: type[BaseModel], key: str | int, node: Node) -> str:
     """Return how the list is written that a file has one item of, or of what."""
-    key = str(steps[-1])
-    field = _model_at(model, steps[:-1]).model_fields.get(key)
+    field = model.model_fields.get(str(key))
     if field and next(_models_in(field.annotation), None):
         return ", each item a mapping of keys"
     one = node.written

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import Field
 from pydantic_core import core_schema
 
-from budget.inputs.aiding import Spanned, Time
+from budget.inputs.aiding import Spanned
 from budget.inputs.fields import (
     Later,
     Measured,
@@ -16,6 +16,7 @@ from budget.inputs.fields import (
     Ruled,
     Sign,
     Strict,
+    Time,
     fault,
     not_rising,
 )

@@ -269,6 +269,11 @@ class Measured:
         return self.json_schema
 
 
+Time = Annotated[Quantity, Measured("s", bare=True)]
+Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
+Angle = Annotated[Quantity, Measured("deg", Sign.ANY)]
+
+
 @dataclass(frozen=True, eq=False)
 class Or:
     """Beside the type that it annotates, what a file may write in its place.

@@ -125,29 +125,27 @@ def open_file(file: NamedFile, kind: str | None = None) -> YamlFile:
     if root.value is None:  # an issue already
         raise all_of(document.issues)
     if not isinstance(root.value, dict):
-        message = f"found {describe(root.value)}, expected a mapping of keys"
-        if file.path.suffix.lower() == ".csv":
-            message += "; a mission file names a recording, as 'trajectory: FILE.csv'"
-        raise all_of([*document.issues, document.issue(root, message)])
+        hint = "; a mission file names a recording, as 'trajectory: FILE.csv'"
+        hint = hint if file.path.suffix.lower() == ".csv" else ""
+        message = f"found {describe(root.value)}, expected a mapping of keys{hint}"
+        raise document.refuse((root, message))
     _check_format(document)
     sign = next(_signs(root), None)
-    # A procedure may hold no more than its station, all else being the paper's.
-    fits = {sign.kind, "procedure"} if sign and sign.kind == "station" else set()
-    if sign is not None and kind in {None, sign.kind, *fits}:
-        return replace(document, kind=kind or sign.kind)
-    if sign is None and kind is not None:  # its model says what is missing
-        return replace(document, kind=kind)
+    # A procedure may hold no more than its station, all else being the paper's; where
+    # nothing says of what kind a file is, its model says what is missing.
+    also = "procedure" if sign and sign.kind == "station" else None
+    own = kind or (sign.kind if sign else "")
+    if own and (sign is None or own in {sign.kind, also}):
+        return replace(document, kind=own)
     if sign is not None:
         message = f"this key is of a {sign.kind} file, expected a {kind} file"
-        issue = document.issue(sign.node, message, on_key=True)
-    else:
-        message = (
-            "is of no known kind, expected limits (in a requirement), costs (costs), "
-            "mission (mission), latitude or windows (procedure), station (station), "
-            "gyro or accelerometer (device)"
-        )
-        issue = document.issue(root, message)
-    raise all_of([*document.issues, issue])
+        raise document.refuse((sign.node, message), on_key=True)
+    message = (
+        "is of no known kind, expected limits (in a requirement), costs (costs), "
+        "mission (mission), latitude or windows (procedure), station (station), "
+        "gyro or accelerometer (device)"
+    )
+    raise document.refuse((root, message))
 
 
 def refuse_absent(
@@ -245,7 +243,7 @@ def unshown(path: Path, what: str, document: YamlFile, node: Node) -> Iterator[N
             f"{first.line}, column {first.column} on; nothing of a file outside "
             f"{str(folder)!r} is shown: copy it there to see what is wrong"
         )
-        raise all_of([document.issue(node, message)]) from None
+        raise document.refuse((node, message)) from None
 
 
 def _check_format(document: YamlFile) -> None:
@@ -260,7 +258,7 @@ def _check_format(document: YamlFile) -> None:
             f"found {node.written!r}, which needs budget >= {version[1]}; this is "
             f"budget {__version__}"
         )
-        raise all_of([document.issue(node, message)])
+        raise document.refuse((node, message))
 
 
 @dataclass(frozen=True)

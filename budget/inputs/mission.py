@@ -32,6 +32,7 @@ from budget.inputs.fields import (
     Ruled,
     ShortText,
     Sign,
+    Span,
     Strict,
     faults,
     not_rising,
@@ -129,7 +130,6 @@ class RateOf(Measured):
 
 TURN_RATE = Measured("deg/s", Sign.POSITIVE)
 CLIMB_RATE = Measured("m/s", Sign.ANY)
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
 Speed = Annotated[Quantity, Measured("m/s", bare=True)]
 Angle = Annotated[Quantity, Measured("deg", Sign.ANY, bare=True)]
 Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
@@ -808,7 +808,7 @@ def read_mission(document: YamlFile) -> Mission:
     else:
         recorded = _recorded(document, part)
         said = recorded.assumptions
-        route = _track_of(recorded)
+        route = recorded.track
     end = route.duration
     if messages := model.course_faults(end):
         raise document.refuse(*messages.items())
@@ -828,17 +828,6 @@ def read_mission(document: YamlFile) -> Mission:
         else (0.0,) * 9,
         aiding=() if part.aiding is None else part.aiding.lines(part.spans),
         filter=part.filter.own if isinstance(part.filter, FilterPart) else None,
-    )
-
-
-def _track_of(recorded: Recorded) -> Track:
-    """Return a recording as a route."""
-    return Track(
-        time=recorded.time,
-        latitude=recorded.latitude,
-        longitude=recorded.longitude,
-        height=recorded.height,
-        attitude=recorded.attitude,
     )
 
 
@@ -869,17 +858,18 @@ def _recorded(document: YamlFile, part: MissionPart) -> Recorded:
         raise document.refuse((node, message))
     with unshown(path, "a CSV file of a trajectory", document, node):
         recorded = read_trajectory(path, str(path))
-    end = float(recorded.time[-1])
+    end = recorded.track.duration
     messages: Faults = {**part.late(end), **part.aiding_faults(end)}
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
         messages["alignment",] = MOVING.format(speed=f"{recorded.first_speed:.6g}")
-    for begin, stop in part.spans.get(ZERO_VELOCITY, ()) if not messages else ():
-        speed = _largest_speed(_track_of(recorded), begin, stop)
-        if speed > LEAST_SPEED:
-            messages["aiding", ZERO_VELOCITY, "during"] = (
-                f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} "
-                "s; expected times at which it stands"
-            )
+    moving = [
+        f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} s; "
+        "expected times at which it stands"
+        for begin, stop in part.spans.get(ZERO_VELOCITY, ())
+        if (speed := _largest_speed(recorded.track, begin, stop)) > LEAST_SPEED
+    ]
+    if moving and not messages:
+        messages["aiding", ZERO_VELOCITY, "during"] = moving[-1]
     if messages:
         at = ((("mission", *steps), text) for steps, text in messages.items())
         raise document.refuse(*at)

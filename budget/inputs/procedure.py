@@ -11,13 +11,16 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from budget.earth import normal_gravity
 from budget.inputs.checking import check
 from budget.inputs.fields import (
+    Angle,
     Measured,
     Or,
     Rule,
     Ruled,
     ShortText,
     Sign,
+    Span,
     Strict,
+    Time,
     either,
     fault,
     faults,
@@ -55,7 +58,7 @@ from budget.names import (
     parameters_of,
 )
 from budget.sentences import sentence
-from budget.units import Quantity
+from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -99,9 +102,6 @@ def _read_gravity(value: Any, own: Callable[[object], object], _: object) -> obj
 
 
 OR_NORMAL = Or(_read_gravity, lambda schema: either({"const": NORMAL}, schema))
-Time = Annotated[Quantity, Measured("s", bare=True)]
-Azimuth = Annotated[Quantity, Measured("deg", Sign.ANY)]
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
 
 
 def _paper(value: object, description: str) -> Any:  # noqa: ANN401
@@ -131,7 +131,7 @@ class GyroTest(Ruled):
     )
     pause: Time = _paper("0 s", "between all windows")
     azimuths: Annotated[
-        tuple[Azimuth, ...],
+        tuple[Angle, ...],
         Field(max_length=MOST_AZIMUTHS),
         BeforeValidator(_count_azimuths),
     ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")

@@ -758,40 +758,29 @@ def read_value(
     """
     if isinstance(given, Quantity):
         given = _family(line, sensor)(value=given)
-    readings: tuple[str, ...] = getattr(given, "reading", ())
-    if isinstance(given, WalkValue) and given.is_open and not readings:
-        sided = {one: _under(line, sensor, given, one) for one in SIDES}
-        return _of_sides(sided, Name(line.name, owner=sensor), known)
-    if not readings:
-        return _read(line, sensor, given)
     # In an order that is not the file's: of equal ones, what stays in this line.
-    readings = tuple(sorted(readings, key=_ORDER.index))
-    read = [_under(line, sensor, given, word) for word in readings]
-    place = first_largest([one.line.largest for one in read])
+    words = tuple(sorted(getattr(given, "reading", ()), key=_ORDER.index))
+    is_sided = isinstance(given, WalkValue) and given.is_open and not words
+    words = SIDES if is_sided else words
+    if not words:
+        return _read(line, sensor, given)
+    read = {word: _under(line, sensor, given, word) for word in words}
+    lines = tuple((word, one.line) for word, one in read.items())
     key = Name(line.name, owner=sensor)
-    said = sentence("values.open", key=key, readings=readings, taken=readings[place])
-    lines = tuple((word, one.line) for word, one in zip(readings, read, strict=True))
-    return ReadValue(
-        line=replace(read[place].line, readings=lines),
-        assumptions=(said, *read[place].assumptions),
-    )
-
-
-def _of_sides(
-    sided: Mapping[str, ReadValue], key: Name, known: Density | None
-) -> ReadValue:
-    """Return a density as its maker means it, or as the larger where it is open."""
-    if known is None:
-        taken, text = sided[TWO_SIDED], sentence("values.density")
-        readings = tuple((word, one.line) for word, one in sided.items())
-        taken = replace(taken, line=replace(taken.line, readings=readings))
+    if is_sided and known is not None:
+        taken, lines = known.sides, ()
+        text = sentence("values.density_of_maker", sides=taken, source=known.source)
+        said = sentence("assumed.of", key=key, text=text)
+    elif is_sided:
+        taken = TWO_SIDED
+        said = sentence("assumed.of", key=key, text=sentence("values.density"))
     else:
-        taken = sided[known.sides]
-        text = sentence(
-            "values.density_of_maker", sides=known.sides, source=known.source
-        )
-    said = sentence("assumed.of", key=key, text=text)
-    return replace(taken, assumptions=(said, *taken.assumptions))
+        taken = words[first_largest([one.largest for _, one in lines])]
+        said = sentence("values.open", key=key, readings=words, taken=taken)
+    return ReadValue(
+        line=replace(read[taken].line, readings=lines),
+        assumptions=(said, *read[taken].assumptions),
+    )
 
 
 def _under(
@@ -967,37 +956,55 @@ def _value_type(
         alone = create_model(title, __base__=family, value=(value, ...))
         return Annotated[alone, text]
     of_axis = family.of_axis or family
-    says = "what the value may mean, where the maker leaves it open: all are computed"
-    reading = {"reading": (tuple[Literal[readings], ...], Field((), description=says))}  # type: ignore[valid-type]
     one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
-    by_axis = mapping_of(
-        f"{title}, by axis", dict.fromkeys(axes, Annotated[one_axis, or_text(measured)])
-    )
-    fields: dict[str, Any] = {
-        **(reading if readings else {}),
-        "value": (value | None, None),
-        "axes": (by_axis | None, None),
-        **{
-            one.name: (
+    one_axis = Annotated[one_axis, or_text(measured)]  # type: ignore[assignment]
+    by_axis = mapping_of(f"{title}, by axis", dict.fromkeys(axes, one_axis))
+    earlier: Any = None
+    open_word: Any = Literal[readings or ("",)]
+    line: Any = Literal[beside]
+    if issubclass(family, AgeingValue):
+        name = f"{title}, earlier"
+        earlier = create_model(name, __base__=Earlier, value=(value, ...))
+    every = (
+        (
+            readings,
+            "reading",
+            tuple[open_word, ...],
+            (),
+            "what the value may mean, where the maker leaves it open: all are computed",
+        ),
+        (True, "value", value | None, None, None),
+        (True, "axes", by_axis | None, None, None),
+        (
+            beside,
+            "adds_to",
+            line | None,
+            None,
+            f"what is no part of {beside}, given as well",
+        ),
+        (
+            earlier,
+            "earlier",
+            tuple[earlier, ...],
+            (),
+            "what is printed for shorter horizons, of all axes",
+        ),
+        *(
+            (
+                True,
+                one.name,
                 Annotated[Quantity, Measured(one.unit, Sign.POSITIVE)] | None,
-                Field(default=None, description=one.says),
+                None,
+                one.says,
             )
             for one in keys
-        },
+        ),
+    )
+    fields: dict[str, Any] = {
+        key: (kind, Field(usual, description=says) if says else usual)
+        for is_there, key, kind, usual, says in every
+        if is_there
     }
-    if beside:
-        says = f"what is no part of {beside}, given as well"
-        word = Literal[beside]  # type: ignore[valid-type]
-        fields["adds_to"] = (word | None, Field(default=None, description=says))
-    if issubclass(family, AgeingValue):
-        earlier = create_model(
-            f"{title}, earlier", __base__=Earlier, value=(value, ...)
-        )
-        says = "what is printed for shorter horizons, of all axes"
-        fields["earlier"] = (
-            tuple[earlier, ...],  # type: ignore[valid-type]
-            Field(default=(), description=says),
-        )
     base = Open if readings else Whole
     whole = create_model(title, __base__=(family, base), **fields)
     return Annotated[whole, text]

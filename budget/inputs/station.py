@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from budget.inputs.files import NamedFile
-    from budget.inputs.records import Procedure
+    from budget.inputs.records import ErrorLine, Procedure
     from budget.inputs.specification import ReadValue
     from budget.inputs.tree import YamlFile
     from budget.model.source import Source
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
 IDEAL = note("station: not given, an ideal one assumed")
 LONGEST_NAME = 200  # of a file
 MOST_POINTS = 100  # of soaks in one test
+POINTS = "times from the start of a triad's test at which another one begins"
 
 
 # By what stands beside it, a time: the value that needs it.
@@ -128,28 +129,30 @@ def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ..
     """Return the sources that a mapping of that owner names, in the table's order."""
     taken = []
     for source in lines_of(owner):
-        figure: Any = mapping
-        level: Any = None
-        for key in keys_of(source.name):
-            figure, level = getattr(figure, key, None), figure
+        *folders, last = keys_of(source.name)
+        level: Any = mapping
+        for folder in folders:
+            level = getattr(level, folder, None)
+        figure = getattr(level, last, None)
         if figure is not None:
             one = read_value(source, owner, figure)
-            if source.time:
-                time = getattr(level, source.time)
-                points = getattr(level, source.points) if source.points else ()
-                at = ", ".join(point.printed for point in points)
-                says = replace(
-                    one.line,
-                    correlation_time=np.array([time.value]),
-                    points=np.array([point.value for point in points])
-                    if points
-                    else None,
-                    definition=f"{words(source.time)} {time.printed}"
-                    + (f", {words(source.points)} {at}" if points else ""),
-                )
-                one = replace(one, line=says)
-            taken.append(one)
+            timed = _timed(one.line, source, level) if source.time else one.line
+            taken.append(replace(one, line=timed))
     return tuple(taken)
+
+
+def _timed(line: ErrorLine, source: Source, level: Any) -> ErrorLine:  # noqa: ANN401
+    """Return a line with the times that stand beside it on its level."""
+    time: Quantity = getattr(level, source.time)
+    points: tuple[Quantity, ...] = getattr(level, source.points or "", ())
+    at = ", ".join(point.printed for point in points)
+    beside = f", {words(source.points)} {at}" if points else ""
+    return replace(
+        line,
+        correlation_time=np.array([time.value]),
+        points=np.array([point.value for point in points]) if points else None,
+        definition=f"{words(source.time)} {time.printed}{beside}",
+    )
 
 
 def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str, ...]:
@@ -430,32 +433,29 @@ def _mapping(
     words: Mapping[str, tuple[Any, str]] | None = None,
 ) -> Any:  # noqa: ANN401
     """Return the type of one level of the mapping."""
-    fields: dict[str, Any] = {}
-    meanings: dict[str, str] = {}
-    for key, (kind, meaning) in (words or {}).items():
-        fields[key], meanings[key] = kind, meaning
+    fields = dict(words or {})
     for key, branch in tree.items():
         if isinstance(branch, dict):
             level = _mapping(f"{title} {key}", owner, branch)
             # 'temperature: 20 degC' is that of the use, as in a requirement.
-            is_stated = MISSION in branch and branch[MISSION].name in LINES
-            fields[key] = Annotated[level, or_part(key=MISSION)] if is_stated else level
-        else:
-            source: Source = branch
-            is_age = source.name == AGE
-            fields[key] = Age if is_age else value_type(source, owner)
-            meanings[key] = source.model
-            if source.time:
-                fields[source.time] = Time
-                meanings[source.time] = f"of {key}"
-            if source.points:
-                fields[source.points] = Annotated[
+            if MISSION in branch and branch[MISSION].name in LINES:
+                level = Annotated[level, or_part(key=MISSION)]
+            fields[key] = level, ""
+            continue
+        source: Source = branch
+        own = Age if source.name == AGE else value_type(source, owner)
+        fields[key] = own, source.model
+        if source.time:
+            fields[source.time] = Time, f"of {key}"
+        if source.points:
+            fields[source.points] = (
+                Annotated[
                     tuple[Time, ...],
                     Field(min_length=1, max_length=MOST_POINTS),
                     AfterValidator(_check_rising),
-                ]
-                meanings[source.points] = (
-                    f"of {key}: times from the start of a triad's test at which "
-                    "another one begins"
-                )
-    return mapping_of(title, fields, meanings, Timed)
+                ],
+                f"of {key}: {POINTS}",
+            )
+    kinds = {key: kind for key, (kind, _) in fields.items()}
+    meanings = {key: meaning for key, (_, meaning) in fields.items() if meaning}
+    return mapping_of(title, kinds, meanings, Timed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from codecs import BOM_UTF8
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import degrees, pi, radians
@@ -19,6 +20,7 @@ from budget.inputs.procedure import MOST_HEIGHT
 from budget.inputs.reader import read_bytes, refuse
 from budget.inputs.records import Origin
 from budget.inputs.tree import all_of, describe
+from budget.navigation.route import Track
 from budget.sentences import sentence
 from budget.units import DAY, STANDARD_GRAVITY, parse_quantity
 
@@ -116,12 +118,8 @@ class Recorded:
 
     Attributes
     ----------
-    time : ndarray, shape (n,)
-        Rising from 0 [s].
-    latitude, longitude, height : ndarray, shape (n,)
-        Geodetic, and above the ellipsoid; a longitude that does not jump [rad, m].
-    attitude : ndarray, shape (n, 3)
-        Roll, pitch and heading, which does not jump [rad].
+    track : Track
+        Its longitude and heading do not jump.
     first_speed : float
         Mean speed from the first row to the second [m/s].
     assumptions, doubts : tuple of str
@@ -129,11 +127,7 @@ class Recorded:
     origin : Origin
     """
 
-    time: Array
-    latitude: Array
-    longitude: Array
-    height: Array
-    attitude: Array
+    track: Track
     first_speed: float
     assumptions: tuple[str, ...]
     doubts: tuple[str, ...]
@@ -187,12 +181,14 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
     zero = np.zeros_like(values["time"])
     taken = {"roll": "0 deg", "pitch": "0 deg", "heading": "that of the track"}
     return Recorded(
-        time=values["time"],
-        latitude=place[0],
-        longitude=place[1],
-        height=place[2],
-        attitude=np.column_stack(
-            [values.get("roll", zero), values.get("pitch", zero), heading]
+        track=Track(
+            time=values["time"],
+            latitude=place[0],
+            longitude=place[1],
+            height=place[2],
+            attitude=np.column_stack(
+                [values.get("roll", zero), values.get("pitch", zero), heading]
+            ),
         ),
         first_speed=float(speed[0]),
         assumptions=(
@@ -238,31 +234,32 @@ def _coarse(time: Array, track: dict[str, Array]) -> tuple[str, ...]:
     from row to row: an acceleration of grain / dt^2 of the rounding alone.
     """
     dt = float(np.median(np.diff(time)))
-    found = []
-    for name, place in track.items():
-        steps = np.abs(np.diff(place))
-        moved = steps[steps > LEAST_GRAIN]
-        if not moved.size:
-            continue
-        grain = float(moved.min())
-        grains = np.rint(steps / grain)
-        is_rounded = (
-            grains.max() <= MOST_GRAINS
-            and np.ptp(grains) > 0
-            # Radii and the cosine of the latitude change a little on the way.
-            and np.abs(steps / grain - grains).max() < 0.01 * max(1.0, grains.max())
+    steps = {name: np.abs(np.diff(place)) for name, place in track.items()}
+    grains = {
+        name: float(one[one > LEAST_GRAIN].min(initial=np.inf))
+        for name, one in steps.items()
+    }
+    return tuple(
+        sentence(
+            "trajectory.coarse",
+            name=name,
+            grain=grain,
+            step=dt,
+            size=grain / dt**2 / STANDARD_GRAVITY,
         )
-        if is_rounded and grain / dt**2 > MOST_ROUNDING:
-            found.append(
-                sentence(
-                    "trajectory.coarse",
-                    name=name,
-                    grain=grain,
-                    step=dt,
-                    size=grain / dt**2 / STANDARD_GRAVITY,
-                )
-            )
-    return tuple(found)
+        for name, grain in grains.items()
+        if MOST_ROUNDING * dt**2 < grain < np.inf and _is_rounded(steps[name] / grain)
+    )
+
+
+def _is_rounded(steps: Array) -> bool:
+    """Whether steps are small whole numbers, and change [1].
+
+    Radii and the cosine of the latitude change a little on the way.
+    """
+    whole = np.rint(steps)
+    is_near = np.abs(steps - whole).max() < 0.01 * max(1.0, whole.max())
+    return bool(whole.max() <= MOST_GRAINS and np.ptp(whole) > 0 and is_near)
 
 
 def _leaning(
@@ -289,23 +286,21 @@ def _leaning(
         "pitch": np.arctan(climb[moves] / v[moves]),
     }
     rises = float(np.ptp(values["height"]))
-    found = []
-    for name, angle in of_track.items():
-        own = values.get(name, np.zeros_like(v))[moves]
-        if not (np.ptp(angle) and np.ptp(own)):
-            continue
-        factor = float(np.polyfit(angle, own, 1)[0])
-        follows = abs(np.corrcoef(angle, own)[0, 1]) > CLOSE
-        found += [
-            sentence("trajectory.leaning", name=name, factor=factor, slip=what)
-            for of, slip, near, least, height, what in SLIPS
-            if of == name
-            and follows
-            and 1.0 / near < factor / slip < near
-            and np.ptp(angle) > least
-            and rises >= height
-        ]
-    return tuple(found)
+    factors = {
+        name: float(np.polyfit(angle, own, 1)[0])
+        for name, angle in of_track.items()
+        for own in [values.get(name, np.zeros_like(v))[moves]]
+        if np.ptp(angle) and np.ptp(own)
+        if abs(np.corrcoef(angle, own)[0, 1]) > CLOSE
+    }
+    return tuple(
+        sentence("trajectory.leaning", name=name, factor=factors[name], slip=what)
+        for name, slip, near, least, height, what in SLIPS
+        if name in factors
+        and 1.0 / near < factors[name] / slip < near
+        and np.ptp(of_track[name]) > least
+        and rises >= height
+    )
 
 
 def _in_words(rows: Sequence[int]) -> str:
@@ -340,7 +335,7 @@ def _hint(head: str, name: str) -> str:
     word = match[1].strip() if match else name
     if word in VELOCITIES:
         return "; velocities follow from the positions: leave it out"
-    if meant := USUAL.get(word, "").strip():
+    if meant := USUAL.get(word):
         given = _HEAD.fullmatch(head)
         unit = given[2] if given and given[2] else COLUMNS[meant]
         return f"; write {f'{meant} [{unit}]'!r}"
@@ -385,11 +380,10 @@ def _lines(data: bytes, shown: str) -> list[str]:
         raise refuse(shown, f"the file is empty, expected a header, as {EXAMPLE}")
     rows = text.count("\n")
     if not LEAST_ROWS <= rows <= MOST_ROWS:
-        message = f"has {rows} rows, expected {LEAST_ROWS} to {MOST_ROWS}"
+        advice = f" after a header, as {EXAMPLE}"
         if rows > MOST_ROWS:
-            message += "; leave rows out, ten a second show what a vehicle does"
-        else:
-            message += f" after a header, as {EXAMPLE}"
+            advice = "; leave rows out, ten a second show what a vehicle does"
+        message = f"has {rows} rows, expected {LEAST_ROWS} to {MOST_ROWS}{advice}"
         raise refuse(shown, message)
     return text.split("\n")
 
@@ -412,10 +406,9 @@ class _Table:
         self.factors: list[float] = []
         other = next(filter(lines[0].count, ";\t|"), "")
         if "," not in lines[0] and other:
+            points = "; write points in the numbers then, not commas"
             message = f"parts its columns by {other!r}, expected commas, as {EXAMPLE}"
-            if "," in lines[1]:
-                message += "; write points in the numbers then, not commas"
-            self._add(0, 0, "", message)
+            self._add(0, 0, "", f"{message}{points if ',' in lines[1] else ''}")
         elif not _ODD.search(lines[0]):
             message = f"is of numbers, expected a header above them, as {EXAMPLE}"
             self._add(0, 0, "", message)
@@ -455,10 +448,8 @@ class _Table:
         SpecError
             A row is not of numbers, or they are not within bounds.
         """
-        rows: list[list[float]] = []
-        for number, line in enumerate(self.lines[1:], start=1):
-            row = self._read_row(number, line)
-            rows.append(row)
+        every = enumerate(self.lines[1:], start=1)
+        rows = [self._read_row(number, line) for number, line in every]
         self._raise()
         with np.errstate(over="ignore"):
             columns = np.array(rows).T * np.array(self.factors)[:, None]
@@ -493,17 +484,11 @@ class _Table:
             self._add(number, 0, "", message)
             return []
         cells = line.split(",")
-        try:
-            if not _ODD.search(line):
+        if not _ODD.search(line):
+            with suppress(ValueError):
                 return [float(cell) for cell in cells]
-        except ValueError:
-            pass
         for place, cell in enumerate(cells):
-            try:
-                sound = not _ODD.search(cell) and np.isfinite(float(cell))
-            except ValueError:
-                sound = False
-            if not sound:
+            if not _is_number(cell):
                 self._refuse(number, place, "expected a number")
         return []
 
@@ -589,6 +574,14 @@ class _Table:
             raise all_of(
                 one for alike in self.issues.values() for one in _at_most(alike)
             )
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a finite number, in digits."""
+    try:
+        return not _ODD.search(cell) and bool(np.isfinite(float(cell)))
+    except ValueError:
+        return False
 
 
 def _at_most(alike: list[Issue]) -> list[Issue]:

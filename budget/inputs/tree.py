@@ -190,7 +190,7 @@ def put(node: Node | None, steps: Sequence[str | int], new: Node | None) -> Node
         keys[str(step)] = put(keys.get(str(step)), rest, new)
     if node and isinstance(node.value, dict):
         return replace(node, value=keys)
-    return replace(cast("Node", new), value=keys, written="", path="")
+    return replace(cast("Node", new or node), value=keys, written="", path="")
 
 
 def describe(value: object) -> str:

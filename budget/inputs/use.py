@@ -264,23 +264,20 @@ def in_use(
         if line.name in LINES
     }
     new = {}
-    for file in (requirement, mission):
-        for line in () if file is None else file.use:
+    given: tuple[Requirement | Mission | None, ...] = (requirement, mission)
+    for file in [one for one in given if one is not None]:
+        for line in file.use:
             other, where = stated.get(line.name, (line, ""))
-            is_asked = other.source == OPTION[AGE]
-            gives_way = line.name == AGE and not other.u.any() and not is_asked
+            is_no_age = line.name == AGE and not other.u.any()
+            gives_way = is_no_age and other.source != OPTION[AGE]
             if line.name == AGE and line.name in stated and not line.u.any():
                 continue
             if other.source in OPTION.values() and not gives_way:
                 continue
-            if gives_way:
-                other = line
-            refuse_two(other, where, line, file.origin.file if file else "")
-            stated[line.name] = line, file.origin.file if file else ""
+            if not gives_way:
+                refuse_two(other, where, line, file.origin.file)
+            stated[line.name] = line, file.origin.file
             new[line.name] = line
-    there = {id(line) for line in procedure.environment}
-    if {id(line) for line in new.values()} <= there:
-        return procedure
     return with_use(procedure, new.values())
 
 

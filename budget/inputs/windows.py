@@ -13,10 +13,20 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from budget.inputs.fields import Group, Measured, Rule, Ruled, Sign, faults
+from budget.inputs.fields import (
+    Angle,
+    Group,
+    Measured,
+    Rule,
+    Ruled,
+    Sign,
+    Span,
+    Time,
+    faults,
+)
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
-from budget.units import Quantity
+from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -28,9 +38,6 @@ FACES = ("z up", "z down", "x up", "x down", "y up", "y down")
 _ROUNDING = 1e-9  # of a time, relative
 
 FaceWord: Any = Literal[(*FACES, "all")]
-Angle = Annotated[Quantity, Measured("deg", Sign.ANY)]
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
-Time = Annotated[Quantity, Measured("s", bare=True)]
 Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
 
 

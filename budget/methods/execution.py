@@ -18,7 +18,7 @@ from concurrent.futures import (
     ProcessPoolExecutor,
 )
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, lru_cache
 from hashlib import sha256
 from itertools import islice
 from multiprocessing import get_context, parent_process
@@ -47,9 +47,14 @@ Result = TypeVar("Result")
 
 def stream(seed: int, name: str, block: int) -> np.random.Generator:
     """Return the random stream of one source in one block of trials, from block 0."""
-    key = int.from_bytes(sha256(name.encode()).digest()[:8], "big")
-    sequence = np.random.SeedSequence(seed, spawn_key=(key, block))
+    sequence = np.random.SeedSequence(seed, spawn_key=(_key(name), block))
     return np.random.Generator(np.random.SFC64(sequence))
+
+
+@lru_cache(maxsize=4096)
+def _key(name: str) -> int:
+    """Return the number of a source among all that there may be."""
+    return int.from_bytes(sha256(name.encode()).digest()[:8], "big")
 
 
 def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:

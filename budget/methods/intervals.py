@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from budget.arrays import Array
@@ -47,13 +49,13 @@ def interval_of_values(ordered: Array, coverage: float | Array, kind: str) -> Ar
     return np.stack([ordered[rows, r_best], ordered[rows, r_best + q]], axis=1)
 
 
-def interval_of_trials(values: Array, coverage: float, kind: str) -> Array:
+def interval_of_trials(values: Sequence[Array], coverage: float, kind: str) -> Array:
     """Return interval_of_values of one output's trials in any order, shape (2,).
 
-    Neither end of an interval lies further in than the trials left out of it: only the
-    tails are sorted.
+    They may stand in several arrays. Neither end of an interval lies further in than
+    the trials left out of it: only the tails are sorted.
     """
-    M = len(values)
+    M = sum(map(len, values))
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
     if kind != "symmetric":
         low, high = _tails(values, M - q)
@@ -73,28 +75,28 @@ def sort_tails(values: Array, depth: NDArray[np.intp]) -> Array:
     """
     ordered = np.full_like(values, np.nan)
     for row, trials, n in zip(ordered, values, depth.tolist(), strict=True):
-        low, high = _tails(trials, n)
+        low, high = _tails([trials], n)
         row[: len(low)] = low
         row[row.size - len(high) :] = high
     return ordered
 
 
-def _tails(values: Array, n: int) -> tuple[Array, Array]:
+def _tails(values: Sequence[Array], n: int) -> tuple[Array, Array]:
     """Return n or more of the smallest and of the largest trials, both ascending.
 
     They are cut off a little inside of where the ends of some of the trials are.
     """
-    M = len(values)
-    some = np.sort(values[:: max(M // SOME, 1)])
+    M = sum(map(len, values))
+    some = np.sort(np.concatenate([each[:: max(M // SOME, 1)] for each in values]))
     inside = int(len(some) * (n / M)) + INSIDE
     if 2 * inside < len(some):
-        low = values[values <= some[inside]]
-        high = values[values >= some[-1 - inside]]
+        low = np.concatenate([each[each <= some[inside]] for each in values])
+        high = np.concatenate([each[each >= some[-1 - inside]] for each in values])
         if len(low) >= n and len(high) >= n:
             low.sort()
             high.sort()
             return low, high
-    ordered = np.sort(values)
+    ordered = np.sort(np.concatenate(values))
     return ordered, ordered
 
 

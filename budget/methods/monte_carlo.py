@@ -322,7 +322,7 @@ def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
     check_finite(total.deviations)
     settling = None
     if task.index < plan.first_stage:
-        ends = [interval_of_trials(row, plan.coverage, plan.interval) for row in y]
+        ends = [interval_of_trials([row], plan.coverage, plan.interval) for row in y]
         settling = np.stack(
             [total.mean, total.standard_uncertainty, *np.transpose(ends)]
         )
@@ -459,15 +459,8 @@ class Gathering:
         if self._histogram is not None:
             return self._histogram.interval(coverage, kind)
         # Output after output: never a second copy of all trials.
-        rows = range(len(self.moments.mean))
-        return np.stack(
-            [
-                interval_of_trials(
-                    np.concatenate([kept[k] for kept in self._kept]), coverage, kind
-                )
-                for k in rows
-            ]
-        )
+        each = zip(*self._kept, strict=True)
+        return np.stack([interval_of_trials(one, coverage, kind) for one in each])
 
     def values(self) -> Array | None:
         """Return all trials in their order, shape (n_out, trials), if still kept."""

@@ -45,6 +45,7 @@ if TYPE_CHECKING:
 # A source does not count at an output where its variance alone is below this part of
 # the squared limit [1].
 NEGLIGIBLE = 1e-12
+ROUNDING = 1e-9  # of two laws that are one, of each standard uncertainty [1]
 STEP = 1e-4  # in e = (a - b)/(a + b) of an ellipse, of a difference [1]
 
 
@@ -246,6 +247,19 @@ class ScaledLaw:
             first=self.first * q,
             second=self.second * np.outer(q, q),
             ellipse=tuple(one.resized(factors) for one in self.ellipse),
+        )
+
+    def is_like(self, other: ScaledLaw) -> bool:
+        """Whether another law of the same sources says the same, but for rounding."""
+        V = self.variance(np.ones(len(self.sources)))[:, None]
+        pairs = (
+            (self.shift, other.shift, np.sqrt(V)),
+            (self.first, other.first, V),
+            (self.second, other.second, V[:, None]),
+        )
+        return self.sources == other.sources and all(
+            bool((np.abs(one - two) <= ROUNDING * size).all())
+            for one, two, size in pairs
         )
 
     def centred(self) -> ScaledLaw:

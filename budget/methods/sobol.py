@@ -2,7 +2,7 @@
 
 Points are scrambled Sobol' ones, twice as many columns as inputs, split into A and B;
 a source's columns are swapped together, so inputs may be correlated within it. The
-estimators are SALib's (Saltelli et al. 2010), intervals come from independent
+estimators are those of Saltelli et al. (2010), intervals come from independent
 scrambles, because a bootstrap of Sobol' points is far too wide.
 
 The linear part of a model has indices that are known exactly. Where it makes most of
@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from functools import partial
 from math import ceil, isfinite, isinf, log2
 from typing import TYPE_CHECKING
-from warnings import catch_warnings, filterwarnings
 
 import numpy as np
 
@@ -264,7 +263,6 @@ def _estimate(
     scramble: int,
 ) -> tuple[Array, Array]:
     """Draw the points, evaluate A, B and the mixed ones, apply the estimators."""
-    from SALib.analyze.sobol import first_order, total_order
     from scipy.stats import qmc
 
     k = problem.n_inputs
@@ -275,7 +273,7 @@ def _estimate(
     y_a, y_b = problem.evaluate(a).T, problem.evaluate(b).T
     check_finite(np.stack([y_a, y_b]))
 
-    # SALib takes a variance below 2e-16 for none: scale every output to about 1.
+    # Every output is scaled to about 1.
     centre = np.mean(np.concatenate([y_a, y_b]), axis=0)
     spread = np.std(np.concatenate([y_a, y_b]), axis=0)
     scale = np.where(spread > 0.0, spread, 1.0)
@@ -300,10 +298,8 @@ def _estimate(
         if linear is not None:  # only the rows exchanged move the tangent
             step = b[factor.rows] - a[factor.rows]
             l_ab = l_a + (linear.C[:, factor.rows] @ step).T / scale
-        for kind, out in ((first_order, first), (total_order, total)):
-            model = _quiet(kind, y_a, y_ab, y_b) * _variance(y_a, y_b)
-            tangent = _tangent(kind, l_a, l_ab, l_b)
-            out[f] = model - tangent + known[f]
+        first[f] = _alone(y_a, y_ab, y_b) - _alone(l_a, l_ab, l_b) + known[f]
+        total[f] = _in_all(y_a, y_ab) - _in_all(l_a, l_ab) + known[f]
     for row, legs in enumerate(
         problem.legs.T, start=len(problem.outputs) - len(problem.legs.T)
     ):
@@ -317,29 +313,18 @@ def _estimate(
     return first, total
 
 
-def _tangent(
-    estimate: Callable[[Array, Array, Array], Array], a: Array, ab: Array, b: Array
-) -> Array:
-    """Return the estimated partial variance of the tangent; 0 where there is none."""
-    if not (a.any() or b.any()):
-        return np.zeros(a.shape[1])
-    return _quiet(estimate, a, ab, b) * _variance(a, b)
+def _alone(a: Array, ab: Array, b: Array) -> Array:
+    """Return the partial variance of a factor alone: Saltelli et al. 2010, table 2b."""
+    return np.asarray(np.mean(b * (ab - a), axis=0))
 
 
-def _quiet(
-    estimate: Callable[[Array, Array, Array], Array], a: Array, ab: Array, b: Array
-) -> Array:
-    """Return an estimate without SALib's warning about outputs that do not vary.
-
-    Those have no indices, and the caller says so.
-    """
-    with catch_warnings():
-        filterwarnings("ignore", message="Constant values encountered")
-        return estimate(a, ab, b)
+def _in_all(a: Array, ab: Array) -> Array:
+    """Return the variance by all that a factor is in: Saltelli et al. 2010, 2f."""
+    return np.asarray(0.5 * np.mean((a - ab) ** 2, axis=0))
 
 
 def _variance(a: Array, b: Array) -> Array:
-    """Return the variance that SALib's estimators divide by, shape (n_out,)."""
+    """Return the variance of both samples together, shape (n_out,)."""
     return np.asarray(np.var(np.concatenate([a, b]), axis=0))
 
 

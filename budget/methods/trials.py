@@ -132,7 +132,7 @@ def coverage_of(
         inside=within.mean(axis=1),
         interval=np.array(
             [
-                interval_of_trials(row, each, "symmetric")
+                interval_of_trials([row], each, "symmetric")
                 for row, each in zip(y, wanted, strict=True)
             ]
         ),

@@ -10,7 +10,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
 from math import ceil, factorial, log, pi, sqrt
 from typing import TYPE_CHECKING, Protocol
 
@@ -243,21 +242,18 @@ def _lags(starts: bytes, kinds: bytes) -> tuple[NDArray[np.intp], Array, Array]:
     the clock of the windows tells times.
     """
     t, which = np.frombuffer(starts), np.frombuffer(kinds, dtype=np.intp)
-    own = [t[which == kind] for kind in range(which.max() + 1)]
     tick = SUMS * np.spacing(t.max())
-    found = []
-    for pair, (first, other) in enumerate(product(own, repeat=2)):
-        parts = [
-            np.unique(after[after > 0.0], return_counts=True)
-            for k in range(0, len(first), ROWS)
-            for after in [np.rint((other - first[k : k + ROWS, None]) / tick)]
-        ]
-        every, number = map(np.concatenate, zip(*parts, strict=True))
-        lags, place = np.unique(every, return_inverse=True)
-        times = np.bincount(place, number)
-        found.append((np.full(len(lags), pair), lags * tick, times))
-    pairs, apart, counts = map(np.concatenate, zip(*found, strict=True))
-    return pairs, apart, counts
+    number, most = which.max() + 1, int(t.max() / tick) + 2
+    parts = []
+    for k in range(0, len(t), ROWS):
+        after = np.rint((t - t[k : k + ROWS, None]) / tick).astype(np.int64)
+        keys = (which[k : k + ROWS, None] * number + which) * most + after
+        parts.append(np.unique(keys[after > 0], return_counts=True))
+    every, times = map(np.concatenate, zip(*parts, strict=True))
+    keys, place = np.unique(every, return_inverse=True)
+    pairs, lags = np.divmod(keys, most)
+    counts = np.asarray(np.bincount(place, times), dtype=float)
+    return pairs, np.asarray(lags * tick), counts
 
 
 @dataclass(frozen=True)

@@ -247,10 +247,13 @@ class Scheme:
         if self.held is not None:
             epsilon = epsilon + self._from_held(self.held, truth)
         own = epsilon[[0, 1, 2], [0, 1, 2]]
+        whole = 1.0 + own
         cross = epsilon[ROW, COLUMN] * SIGN[:, None]
-        angle = (cross - truth.angle * own[ROW]) / (1.0 + own[ROW])
-        bias = (epsilon[:, BIAS] - truth.bias * own) / (1.0 + own)
-        higher = np.moveaxis(epsilon[:, STATISTICS:] / (1.0 + own[:, None]), 0, 1)
+        pairs = (3, 2, -1)  # ROW is 0, 0, 1, 1, 2, 2
+        cross = cross.reshape(pairs) - truth.angle.reshape(pairs) * own[:, None]
+        angle = (cross / whole[:, None]).reshape(truth.angle.shape)
+        bias = (epsilon[:, BIAS] - truth.bias * own) / whole
+        higher = np.moveaxis(epsilon[:, STATISTICS:] / whole[:, None], 0, 1)
         if self.rotated is not None:
             found = truth.angle + angle
             through = tilt(found, self.rotated)

@@ -61,28 +61,26 @@ def find_references(name: str | None) -> tuple[NamedFile, ...]:
     there = shipped_references()
     if name is None:
         return there
-    if isdir(name):  # noqa: PTH112 - a name that can be none is not there
-        found = tuple(
-            NamedFile(path=one, shown=str(one), variant="")
-            for one in sorted(Path(name).glob(f"*{SUFFIX}"))
-        )
-        if not found:
-            raise ReferenceFileError(
-                f"{name}: has no {SUFFIX} file, expected a folder with references; "
-                "store one with `budget check --save`"
-            )
-        return found
-    if isfile(name):  # noqa: PTH113 - as above
-        return (NamedFile(path=Path(name), shown=name, variant=""),)
     bare = name.removesuffix(SUFFIX)
-    found = tuple(one for one in there if one.shown == bare)
-    if not found:
+    if is_folder := isdir(name):  # noqa: PTH112 - a name that can be none is not there
+        paths = {str(one): one for one in sorted(Path(name).glob(f"*{SUFFIX}"))}
+    elif isfile(name):  # noqa: PTH113 - as above
+        paths = {name: Path(name)}
+    else:
+        paths = {one.shown: one.path for one in there if one.shown == bare}
+    if not paths:
         known = tuple(one.shown for one in there)
         raise ReferenceFileError(
-            f"{name}: no such file, expected a reference budget, a folder of them, or "
-            f"a shipped one: {', '.join(known) or 'none'}{nearest(bare, known)}"
+            f"{name}: has no {SUFFIX} file, expected a folder with references; "
+            "store one with `budget check --save`"
+            if is_folder
+            else f"{name}: no such file, expected a reference budget, a folder of "
+            f"them, or a shipped one: {', '.join(known) or 'none'}"
+            f"{nearest(bare, known)}"
         )
-    return found
+    return tuple(
+        NamedFile(path=path, shown=shown, variant="") for shown, path in paths.items()
+    )
 
 
 def take(
@@ -101,12 +99,20 @@ def take(
     ReferenceFileError
         No path leads from the reference to the file that holds on another machine.
     """
-    ships = shipped("specs") / FOLDERS[role]
-    file = NamedFile(path=ships / f"{PAPER}.yaml", shown=PAPER, variant="")
+    return _taken(role, typed, folder)[0]
+
+
+def _taken(
+    role: Role, typed: str | Path | None, folder: Path | None
+) -> tuple[StoredInput, YamlFile]:
+    """Return a file as a reference stores it, and as it was read from its path."""
+    path = shipped("specs") / FOLDERS[role] / f"{PAPER}.yaml"
+    file = NamedFile(path=path, shown=PAPER, variant="")
     if typed is not None:
         file = find(typed, role)
     document = open_file(file, role)
-    return _stored(document, role, file, folder)
+    stored = _stored(document, role, file, folder)
+    return stored, replace(document, file=str(file.path))
 
 
 def _stored(
@@ -145,12 +151,8 @@ def take_procedures(
     taken: list[StoredInput] = []
     stations: dict[str, StoredInput] = {}
     for name in typed:
-        one = take("procedure", name, folder)
+        one, document = _taken("procedure", name, folder)
         taken.append(one)
-        path = shipped("specs") / FOLDERS["procedure"] / f"{PAPER}.yaml"
-        if name is not None:
-            path = find(name, "procedure").path
-        document = parse(one.text.encode(), str(path), base_name=path.name)
         if named_station(document):
             file = station_file(document)
             station = _stored(open_file(file, STATION), "station", file, folder)

@@ -90,24 +90,29 @@ def compute(
     procedures = _procedures(by_role.get("procedure", []), by_role.get(STATION, []))
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
     mission = next(map(_mission, by_role.get(MISSION, [])), None)
-    if mission is None and any(MISSION in one.kinds for one in limits):
-        raise CallError(
-            "the requirement has limits on a mission, and none is given; take those "
-            "limits out, or give --mission FILE"
-        )
     costs = [read_costs(one) for one in by_role.get("costs", [])]
-    if job != "compare" and len(procedures) > 1:
-        raise CallError(
-            f"{len(procedures)} procedures were given, a reference of kind {job} takes "
-            "one; give one, or take --kind compare"
-        )
-    if 0 not in FILES[job]["requirement"] and not limits:
-        raise CallError(
-            f"a reference of kind {job} needs a requirement; give --requirement FILE"
-        )
     fault = files_fault(job, [one.kind for one in inputs])
-    if fault:
-        raise CallError(f"found {fault}; give as many, or take another --kind")
+    _refuse(
+        (
+            mission is None and any(MISSION in one.kinds for one in limits),
+            (
+                "the requirement has limits on a mission, and none is given; take "
+                "those limits out, or give --mission FILE"
+            ),
+        ),
+        (
+            job != "compare" and len(procedures) > 1,
+            (
+                f"{len(procedures)} procedures were given, a reference of kind {job} "
+                "takes one; give one, or take --kind compare"
+            ),
+        ),
+        (
+            0 not in FILES[job]["requirement"] and not limits,
+            f"a reference of kind {job} needs a requirement; give --requirement FILE",
+        ),
+        (fault, f"found {fault}; give as many, or take another --kind"),
+    )
     with_maker = mission is not None and not procedures
     procedures = [
         load_calibration(
@@ -161,6 +166,18 @@ def compute(
         return snapshot_of(allocation.to_dict(), {})
 
 
+def _refuse(*wrong: tuple[object, str]) -> None:
+    """Refuse the first of several things that is so.
+
+    Raises
+    ------
+    CallError
+    """
+    for is_so, text in wrong:
+        if is_so:
+            raise CallError(text)
+
+
 def _procedures(
     procedures: Sequence[YamlFile], stations: Sequence[YamlFile]
 ) -> list[Procedure]:
@@ -173,24 +190,33 @@ def _procedures(
     SpecError
         A file is not sound, or there are two stations.
     """
-    if len(stations) > 1:
-        files = ", ".join(one.file for one in stations)
-        raise CallError(
-            f"found the stations {files}, a reference takes one; where a procedure "
-            "names its station, leave --station out"
-        )
     named = [one for one in procedures if named_station(one)]
-    if named and not stations:
-        raise CallError(
-            f"{named[0].file} names the station {named_station(named[0])}, which is "
-            "not among the inputs; save the reference again"
-        )
     station = stations[0] if stations else None
-    if station is not None and not procedures:
-        raise CallError(
-            f"{station.file}: is a station, and no procedure is given that is done "
-            "there; give --procedure FILE, or leave --station out"
-        )
+    files = ", ".join(one.file for one in stations)
+    first = (f"{one.file} names the station {named_station(one)}" for one in named)
+    _refuse(
+        (
+            stations[1:],
+            (
+                f"found the stations {files}, a reference takes one; where a procedure "
+                "names its station, leave --station out"
+            ),
+        ),
+        (
+            named and not stations,
+            (
+                f"{next(first, '')}, which is not among the inputs; save the reference "
+                "again"
+            ),
+        ),
+        (
+            stations and not procedures,
+            (
+                f"{files}: is a station, and no procedure is given that is done there; "
+                "give --procedure FILE, or leave --station out"
+            ),
+        ),
+    )
     found = []
     for one in procedures:
         procedure = read_procedure(one, station if one in named else None)

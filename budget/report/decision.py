@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from budget.known import AT_LEAST
 from budget.report.comparison.tables import Request, bounds_of, print_bounds
 from budget.report.document import json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
 from budget.report.standing import standing_lines
-from budget.report.tables import AT_LEAST, DASH
+from budget.report.tables import DASH
 from budget.version import __version__
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from budget.known import Known
 from budget.names import LENGTHS, Name
 from budget.report.pages import blocks
 from budget.report.standing import outcome_words
@@ -15,7 +16,6 @@ from budget.report.tables import (
     UNITS,
     Number,
     as_limited,
-    bound_number,
     largest_error,
     length,
     round_u,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.report.blocks import Block
     from budget.report.tables import Unit
-    from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
 
 PLANE = LENGTHS["position"]
 HOUR = 3600.0  # [s]
@@ -81,11 +81,7 @@ class ErrorsAtTime:
         if row is None:
             return None
         value = getattr(row.radii, circle, 0.0) if circle else row.standard_uncertainty
-        return bound_number(
-            _in_unit(value, row, units[_like(row)]),
-            lower_bound=row.lower_bound,
-            unknown=row.is_unknown,
-        )
+        return _in_unit(row.known(value), row, units[_like(row)])
 
 
 def _like(row: OutputBudget) -> str:
@@ -158,10 +154,7 @@ def bought(budget: Budget, moments: Sequence[ErrorsAtTime]) -> Mapping[str, Any]
             at,
             [
                 at.horizontal
-                and bound_number(
-                    _in_unit(one.cep[place], at.horizontal, unit),
-                    lower_bound=one.lower_bound,
-                )
+                and _in_unit(Known.of(one.cep[place], one.lacks), at.horizontal, unit)
                 for one in tests
             ],
         )
@@ -265,18 +258,14 @@ def rate_per_hour(moments: Sequence[ErrorsAtTime]) -> tuple[float, Number] | Non
         row = at.horizontal
         if at.time >= HOUR and row is not None and row.radii is not None:
             rate = row.radii.cep / NAUTICAL_MILE / (at.time / HOUR)
-            return at.time, bound_number(
-                Number(text=round_uncertainty(rate), exact=rate),
-                lower_bound=row.lower_bound,
-                unknown=row.is_unknown,
-            )
+            return at.time, Number.of(row.known(rate), round_uncertainty(rate))
     return None
 
 
 def limits_blocks(
     usual: float,
     assessment: Assessment,
-    rows: Iterable[OutputAssessment],
+    rows: Iterable[JudgedOutput],
     worst: Iterable[tuple[Name, str]] = (),
 ) -> tuple[Block, ...]:
     """Return each limit on a mission, with its own probability, else the usual one.

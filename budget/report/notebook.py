@@ -20,6 +20,7 @@ import numpy as np
 from budget.calibration.mission import SEEN
 from budget.errors import CallError
 from budget.inputs.records import Device
+from budget.known import AT_LEAST
 from budget.language import ENGLISH, speaking
 from budget.model.sources import SENSORS
 from budget.names import HORIZONTAL, LENGTHS, Name
@@ -59,7 +60,7 @@ from budget.report.figures.track import track_plot
 from budget.report.files import check_targets, write_all
 from budget.report.pages import blocks
 from budget.report.rendering import check_suffixes, document_date, render_pages
-from budget.report.tables import AT_LEAST, group_tables, output_row
+from budget.report.tables import group_tables, output_row
 from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
@@ -84,7 +85,7 @@ if TYPE_CHECKING:
     from budget.report.blocks import Block, Words
     from budget.report.figures.rows import Chart
     from budget.report.tables import GroupTable, OutputRow
-    from budget.results import OutputAssessment, Tabled
+    from budget.results import JudgedOutput, Study
 
 T = TypeVar("T")
 MOST = 10  # rows of a small table
@@ -241,7 +242,7 @@ def _matter(budget: Budget) -> Iterator[Line]:
             yield line
 
 
-def _limits(budget: Budget) -> dict[Name, OutputAssessment]:
+def _limits(budget: Budget) -> dict[Name, JudgedOutput]:
     """Return what is limited of a budget, by the names of outputs."""
     found = budget.assessment
     return {} if found is None else {row.output.name: row for row in found.outputs}
@@ -341,7 +342,7 @@ def export_text(found: Export) -> str:
     return write_export(found)
 
 
-def study_frame(found: Tabled) -> pd.DataFrame:
+def study_frame(found: Study) -> pd.DataFrame:
     """Return the rows of a study as a pandas frame; empty cells are missing.
 
     Of a comparison and a decision those are devices, best first.

@@ -98,7 +98,7 @@ if TYPE_CHECKING:
 
     from budget.report.blocks import Words
     from budget.report.formulas import Math
-    from budget.results import Standing
+    from budget.results import Verdict
 
     Object = Block | Math | Section | Shares  # what is made elsewhere
 
@@ -664,7 +664,7 @@ def _in_runs(
         yield common, list(own)
 
 
-def _standing(standing: Standing) -> tuple[str, ...]:
+def _standing(standing: Verdict) -> tuple[str, ...]:
     """Return what a verdict stands on, and what qualifies it, in words."""
     return lines("standing", "stands", standing=standing)
 

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from budget.report.blocks import Block
-    from budget.results import Assessment, Budget, OutputAssessment, Standing
+    from budget.results import Assessment, Budget, JudgedOutput, Verdict
     from budget.settings import Settings
 
 # Parameters, and what a mission asks for, in the order in which they are named.
 NAMED = ("scale_factor", "mounting_angle", "bias", "position", "velocity", "attitude")
 
 
-def standing_lines(standing: Standing) -> tuple[str, ...]:
+def standing_lines(standing: Verdict) -> tuple[str, ...]:
     """Say what a verdict stands on: its conditions, or what decides; cautions.
 
     The same sentences in every command and on every page.
@@ -32,12 +32,12 @@ def standing_lines(standing: Standing) -> tuple[str, ...]:
     return lines("standing", "stands", standing=standing)
 
 
-def deciding_lines(standing: Standing) -> tuple[str, ...]:
+def deciding_lines(standing: Verdict) -> tuple[str, ...]:
     """Say what a verdict depends on."""
     return lines("standing", "deciding", standing=standing)
 
 
-def standing_blocks(standing: Standing) -> tuple[Block, ...]:
+def standing_blocks(standing: Verdict) -> tuple[Block, ...]:
     """Return what a verdict stands on, below its headline."""
     return blocks("standing", "below", standing=standing)
 
@@ -57,7 +57,7 @@ def mode_sentence(settings: Settings) -> str:
     return line("words", "mode", settings=settings)
 
 
-def outcome_words(assessment: Assessment, row: OutputAssessment) -> str:
+def outcome_words(assessment: Assessment, row: JudgedOutput) -> str:
     """Say on which side of its limit an output is, if anybody knows."""
     return line("words", "outcome", assessment=assessment, row=row)
 

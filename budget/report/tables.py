@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from decimal import ROUND_HALF_UP, Context, Decimal
 from itertools import groupby
-from math import ceil, floor, fsum, isfinite, log10, sqrt
+from math import ceil, floor, fsum, inf, isfinite, log10, sqrt
 from typing import TYPE_CHECKING
 
 from budget.inputs.records import ANGLES
+from budget.known import UNKNOWN, Known
 from budget.language import axis_title, beside, key_title, say
 from budget.names import MISSION, Name, by_group
 from budget.results import BY_LAW, INTERACTION, Contribution
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
         Budget,
         Doubt,
         InputQuantity,
-        OutputAssessment,
+        JudgedOutput,
         OutputBudget,
         Probability,
     )
@@ -36,8 +37,6 @@ if TYPE_CHECKING:
 PLAIN_FROM, PLAIN_BELOW = -4, 7  # decimal exponents of the first digit
 EXACT = Context(prec=700, rounding=ROUND_HALF_UP)  # digits from 1e308 to 1e-324
 
-AT_LEAST, AT_MOST = "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"
-UNKNOWN = "?"  # stands for a number of which nothing is known
 SMALL_SHARE = 0.01  # of the variance [1]; one below it is not worth a sentence
 ALL = 1.0 - 1e-9  # [1]; a share above is the whole, short of it by rounding only
 NO_SHARE = 1e-20  # [1]; a share below is what the rounding of doubles leaves of zero
@@ -72,6 +71,12 @@ class Number:
 
     text: str
     exact: float
+
+    @classmethod
+    def of(cls, exact: float, text: str) -> Number:
+        """Return a number as it is printed, marked where it is known in part."""
+        said = exact.written(text) if isinstance(exact, Known) else text
+        return cls(text=said, exact=exact)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,12 +189,10 @@ class GroupTable:
         columns = [[row.cells[place] for row in self.minor] for place in places]
         us = [sqrt(fsum(cell.u.exact**2 for cell in cells)) for cells in columns]
         share = max(fsum(cell.share.exact for cell in cells) for cells in columns)
-        u = Number(text=round_uncertainty(max(us)), exact=max(us))
-        differ = len({*map(round_uncertainty, us)}) > 1
-        return SourceCell(
-            u=bound_number(u, lower_bound=differ, sign=AT_MOST),
-            share=Number(text=print_share(share), exact=share),
-        )
+        texts = [*dict.fromkeys(map(round_uncertainty, sorted(us, reverse=True)))]
+        u = Known(max(us), low=-inf if texts[1:] else None)
+        share_of = Number(text=print_share(share), exact=share)
+        return SourceCell(u=Number.of(u, texts[0]), share=share_of)
 
     @property
     def alike(self) -> tuple[tuple[tuple[int, ...], ...], ...]:
@@ -301,7 +304,7 @@ def round_error(
     if limit is not None and output.resolution < u:
         place = _last_place(u / scale)
         text = _beside(error / scale, limit / scale, place)
-    return Number(text=text, exact=error / scale)
+    return Number.of(error / scale, text)
 
 
 def _beside(value: float, limit: float, place: int) -> str:
@@ -321,27 +324,15 @@ def round_u(u: float, output: Output) -> Number:
     """Round a standard uncertainty of an output [SI], in the unit it has."""
     scale = output.si_per_unit
     text = round_uncertainty(u / scale, resolution=output.resolution / scale)
-    return Number(text=text, exact=u / scale)
+    return Number.of(u / scale, text)
 
 
-def bound_number(
-    number: Number, *, lower_bound: bool, unknown: bool = False, sign: str = AT_LEAST
-) -> Number:
-    """Mark a number that is a lower bound: '≥ 0.42', '?' where nothing is known."""
-    if unknown:
-        return Number(text=UNKNOWN, exact=number.exact)
-    if not lower_bound or not sign:
-        return number
-    return Number(text=f"{sign} {number.text}", exact=number.exact)
-
-
-def used_part(row: OutputAssessment) -> Number:
+def used_part(row: JudgedOutput) -> Number:
     """Round the part of its limit that an output uses: '98.7 %', '≥ 42.0 %', '?'."""
-    used = Number(text=print_utilisation(row.utilisation), exact=row.utilisation)
-    return bound_number(used, lower_bound=row.lower_bound, unknown=row.is_unknown)
+    return Number.of(row.utilisation, print_utilisation(row.utilisation))
 
 
-def as_limited(row: OutputAssessment) -> OutputAssessment:
+def as_limited(row: JudgedOutput) -> JudgedOutput:
     """Return an output of a mission in the unit of its limit, others as they are.
 
     An error below a tenth of that unit is in its own: 2.7 m, not 0.0027 km.
@@ -358,12 +349,10 @@ def as_limited(row: OutputAssessment) -> OutputAssessment:
     return replace(row, output=output)
 
 
-def largest_error(row: OutputAssessment) -> Number:
+def largest_error(row: JudgedOutput) -> Number:
     """Round a largest error, in the unit of the output; marked where it is a bound."""
-    error = round_error(
-        row.largest_error, row.standard_uncertainty, row.output, limit=row.limit
-    )
-    return bound_number(error, lower_bound=row.lower_bound, unknown=row.is_unknown)
+    u = row.standard_uncertainty
+    return round_error(row.largest_error, u, row.output, limit=row.limit)
 
 
 def unit_for(quantity: str, largest: float) -> Unit:
@@ -645,18 +634,14 @@ def output_row(row: OutputBudget) -> OutputRow:
     def value(x: float) -> Number:
         return round_error(x, row.standard_uncertainty, row.output)
 
-    def bound(number: Number, sign: str = AT_LEAST) -> Number:
-        return bound_number(
-            number, lower_bound=row.lower_bound, unknown=row.is_unknown, sign=sign
-        )
-
+    low, high = row.interval
     return OutputRow(
         axis=axis_title(row.output.name),
-        mean=bound(value(row.mean), sign=""),
-        u=bound(round_u(row.standard_uncertainty, row.output)),
-        expanded=bound(value((row.interval[1] - row.interval[0]) / 2.0)),
-        low=bound(value(row.interval[0]), sign=AT_MOST),
-        high=bound(value(row.interval[1])),
+        mean=value(row.known(row.mean) if row.is_unknown else row.mean),
+        u=round_u(row.u, row.output),
+        expanded=value(row.known((high - low) / 2.0)),
+        low=value(row.known(low).falling),
+        high=value(row.known(high)),
         check="" if row.validation is None else row.validation.word,
         k=_coverage_factor(row),
         law_k=None if row.is_unknown else row.law_factor,

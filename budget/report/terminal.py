@@ -15,6 +15,7 @@ from itertools import repeat
 from typing import TYPE_CHECKING
 from unicodedata import east_asian_width
 
+from budget.known import AT_LEAST, AT_MOST
 from budget.language import say
 from budget.report.blocks import (
     Abreast,
@@ -27,8 +28,6 @@ from budget.report.blocks import (
     Table,
 )
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     align_decimals,
 )
 from budget.report.writing import VERDICTS

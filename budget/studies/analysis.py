@@ -428,7 +428,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
                     interval=found.interval,
                     interval_by=found.interval_by,
                     coverage=found.coverage,
-                    validation=None if found.by_monte_carlo else row.validation,
+                    validation=None if found.by_trials else row.validation,
                 ),
                 budget.settings.coverage,
             )

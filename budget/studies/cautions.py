@@ -149,7 +149,7 @@ def judged_otherwise(budget: Budget) -> tuple[str, ...]:
         for row in budget.outputs
         if row.by_trials and budget.settings.method == "gum"
     ]
-    if found is not None and any(row.by_monte_carlo for row in found.outputs):
+    if found is not None and any(row.by_trials for row in found.outputs):
         outputs = None
     if interval == "symmetric" or outputs == []:
         return ()

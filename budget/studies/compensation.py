@@ -111,13 +111,16 @@ def compensations(
         parameters = replace(question.alone(kind), requirement=None).problem
         invert = inversion_of(sensor, parameters)
         problem = parameters.then(invert, outputs_of(sensor, parameters))
-        lacks = {name.quantity for name in needed if question.lacks[name]}
+        lacks = [
+            tuple(dict.fromkeys(line for name in own for line in question.lacks[name]))
+            for own in (needed, [n for n in needed if n.quantity == "mounting_angle"])
+        ]
         found[kind] = Compensation(
             sensor=kind,
             outputs=problem.outputs,
             value=invert(np.zeros((len(known), 1)))[:, 0],
             covariance=propagate(problem).covariance,
-            lower_bound="mounting_angle" in lacks,
-            bias_lower_bound=bool(lacks),
+            bias_lacks=lacks[0],
+            lacks=lacks[1],
         )
     return found, tuple(absent)

@@ -11,21 +11,18 @@ from budget.errors import CallError
 from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
 from budget.question import question_of
-from budget.results import INTERACTION, Assessment, CapAssessment, SensorAssessment
+from budget.results import Assessment, CapAssessment
 from budget.studies.ceilings import ceilings
-from budget.studies.doubt import doubt_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     MAX_TRIALS,
     TRIALS,
-    assess_outputs,
     judge,
     screen,
     together,
 )
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import Margin, decide
-from budget.ties import first_largest
+from budget.studies.verdicts import Margin, verdict_on
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -33,8 +30,8 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, Requirement
     from budget.names import Name
-    from budget.question import Limited, Question
-    from budget.results import Budget, OutputAssessment, ReadingVerdicts
+    from budget.question import Question
+    from budget.results import Budget, ReadingVerdicts, Verdict
     from budget.studies.judgement import Judged
 
 AS_PRINTED = 1.05  # times u that is the same to half a digit of the two printed [1]
@@ -95,9 +92,8 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
 
     What belongs to both is judged with both.
     """
-    outputs: list[OutputAssessment] = []
     found: list[Judged] = []
-    verdicts: list[SensorAssessment] = []
+    verdicts: list[Verdict] = []
     kinds = [sensor.kind for sensor in question.sensors]
     if question.requirement is not requirement:
         question = replace(question, requirement=requirement)
@@ -115,9 +111,16 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
         )
         if own.has_lines:
             found.append(judged)
-        verdict = _verdict(owner, own, held, judged, seed=seed)
-        verdicts.append(verdict)
-        outputs += assess_outputs(held, judged, verdict.standing, own.lacks)
+        verdicts.append(
+            verdict_on(
+                own,
+                held,
+                own.law,
+                judged,
+                seed=seed,
+                readings=_readings(own, judged, seed),
+            )
+        )
     if not verdicts:
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
@@ -128,12 +131,17 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
     order = {limit.output: place for place, limit in enumerate(requirement.limits)}
     return Assessment(
         requirement=requirement.name,
-        outputs=tuple(sorted(outputs, key=lambda row: order[row.output.name])),
+        outputs=tuple(
+            sorted(
+                (row for one in verdicts for row in one.outputs),
+                key=lambda row: order[row.output.name],
+            )
+        ),
         sensors=tuple(verdicts),
         conformance=together(found)
         if found
         and question.filled.prediction is None
-        and not any(one.standing.saturates for one in verdicts)
+        and not any(one.saturates for one in verdicts)
         else None,
         not_there=tuple(kind for kind in requirement.kinds if kind not in judged_kinds),
         together=requirement.coverage if requirement.decision == JOINT else None,
@@ -163,7 +171,7 @@ def open_to(
     Not those that are negligible to the limits of its owner, where u with all of these
     at their ceilings is the same to the digits that are printed.
     """
-    spared = {one.sensor: one.standing.negligible for one in assessment.sensors}
+    spared = {one.sensor: one.negligible for one in assessment.sensors}
     names = tuple(dict.fromkeys(name for own in spared.values() for name in own))
     tops = {
         name: one.line
@@ -219,52 +227,4 @@ def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
         cap=cap,
         given=given,
         is_within=not over_cap(merit, given, cap) if comparable else None,
-    )
-
-
-def _verdict(
-    owner: str,
-    own: Question,
-    held: Limited,
-    judged: Judged,
-    *,
-    seed: int,
-) -> SensorAssessment:
-    """Return the verdict on one sensor, or on what belongs to both."""
-    readings = _readings(own, judged, seed)
-    missing, has_lines = own.missing, own.has_lines
-    parts = own.law.source_variance[:, held.rows[judged.worst]].tolist()
-    # A sensor without lines has no source, only the row of products, which is 0.
-    limiting = held.problem.groups[first_largest(parts)].name if parts else INTERACTION
-    prediction = own.filled.prediction
-    doubt = None
-    if prediction is not None and not missing and not held.absent:
-        doubt = doubt_of(prediction, held, own.law, judged)
-    standing = decide(
-        own,
-        held,
-        own.law,
-        judged,
-        seed=seed,
-        doubt=doubt,
-        readings=readings,
-    )
-    return SensorAssessment(
-        sensor=owner,
-        standing=standing,
-        doubt=doubt,
-        utilisation=judged.utilisation,
-        utilisation_interval=judged.utilisation_interval,
-        worst_output=held.outputs[judged.worst].name,
-        worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
-        limiting_source=limiting,
-        # At the medians of predicted lines it would look better than it is.
-        conformance=judged.conformance
-        if has_lines and not prediction and not standing.saturates
-        else None,
-        trials=judged.trials,
-        expected_missing=standing.matter(missing),
-        nothing_known=not has_lines,
-        not_estimated=held.absent,
-        readings=readings,
     )

@@ -13,13 +13,13 @@ from budget.inputs.load import UNTESTED, load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import IMU, MISSION
-from budget.results import VERDICTS, Tabled
+from budget.results import VERDICTS, Study, Verdict
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
 from budget.studies.comparison.ranking import as_one, place_of
-from budget.studies.comparison.records import NUMBERED, DeviceVerdict
+from budget.studies.comparison.records import NUMBERED
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
 from budget.ties import settle
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Procedure, Requirement
-    from budget.results import Condition, InputFile, Standing
+    from budget.results import Condition
     from budget.settings import Settings
     from budget.studies.allocation.records import Recalibration
     from budget.studies.comparison.records import Comparison, Entrant
@@ -62,7 +62,7 @@ class Offer(Documented):
     calibration: str  # the name of the procedure, or of the maker's
     order: int  # of the calibration: 0 is the maker's, where it is among them
     parts: tuple[Entrant, ...]  # both triads, what belongs to both, the mission
-    standing: Standing  # of all parts, as `compare` puts them together
+    standing: Verdict  # of all parts, as `compare` puts them together
 
     @property
     def verdict(self) -> str:
@@ -90,13 +90,12 @@ class Offer(Documented):
         return self.parts[0].power
 
     @property
-    def judged(self) -> tuple[DeviceVerdict, ...]:
+    def judged(self) -> tuple[Entrant, ...]:
         """Its parts; () where nothing is known of one."""
-        known = tuple(one for one in self.parts if isinstance(one, DeviceVerdict))
-        return known if len(known) == len(self.parts) else ()
+        return self.parts if all(one.is_judged for one in self.parts) else ()
 
     @property
-    def worst(self) -> DeviceVerdict | None:
+    def worst(self) -> Entrant | None:
         """The part that uses most of its limits; None: nothing is known of one."""
         return max(self.judged, key=lambda one: settle(one.utilisation), default=None)
 
@@ -108,7 +107,7 @@ class Offer(Documented):
     @property
     def is_bound(self) -> bool:
         """Whether the utilisation is that or more."""
-        return any(getattr(one, "lower_bound", True) for one in self.parts)
+        return any(one.utilisation.is_bound for one in self.parts)
 
     @property
     def place(self) -> tuple[float, ...]:
@@ -212,7 +211,7 @@ class Purchase(Documented):
     commands="decide",
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Decision(Tabled):
+class Decision(Study):
     """What to buy for a requirement, of the devices that were offered."""
 
     requirement: str
@@ -220,10 +219,7 @@ class Decision(Tabled):
     calibrations: tuple[str, ...]
     purchases: tuple[Purchase, ...]
     not_compared: tuple[str, ...]  # sensors that are limited, and no device has
-    inputs: tuple[InputFile, ...]
     settings: Settings
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     @property
     def is_met(self) -> bool:
@@ -417,12 +413,11 @@ def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> tuple[Purchas
 
 def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
     """Put the parts of a unit together: triads as `compare` does, then the mission."""
-    judged = [one for one in parts if isinstance(one, DeviceVerdict)]
-    triads = [one for one in judged if one.sensor != MISSION]
-    standings = [one.standing for one in parts]
-    if len(judged) == len(parts) and len(triads) > 1:
-        of_mission = [one.standing for one in judged if one.sensor == MISSION]
-        standings = [as_one(triads, is_shared=is_shared).standing, *of_mission]
+    triads = [one for one in parts if one.is_judged and one.sensor != MISSION]
+    standings: list[Verdict] = [*parts]
+    if all(one.is_judged for one in parts) and len(triads) > 1:
+        of_mission = [one for one in parts if one.sensor == MISSION]
+        standings = [as_one(triads, is_shared=is_shared), *of_mission]
     first = parts[0]
     return Offer(
         name=first.name,
@@ -430,10 +425,5 @@ def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
         calibration=first.procedure,
         order=order,
         parts=tuple(parts),
-        standing=reduce(_beside, standings),
+        standing=reduce(Verdict.beside, standings),
     )
-
-
-def _beside(one: Standing, other: Standing) -> Standing:
-    """Put two parts of a unit together."""
-    return one.beside(other, verdict=gravest((one.verdict, other.verdict)))

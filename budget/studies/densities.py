@@ -73,7 +73,7 @@ def critical_densities(
     ends = law.interval(settings.coverage)
     values = first_trials(problem, trials=trials, seed=settings.seed, outputs=rows)
     ends_mc = [
-        interval_of_trials(y, settings.coverage, settings.interval) for y in values
+        interval_of_trials([y], settings.coverage, settings.interval) for y in values
     ]
     for place, k in enumerate(rows):  # one interval of each output on a page
         row = budget.outputs[k]

@@ -18,12 +18,14 @@ quantile of the largest error over its limit (budget.studies.jointly), by the tr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import exp, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.distributions import normal_coverage_factor
+from budget.methods.gum import covariance_by_source
 from budget.methods.intervals import interval_of_values
 from budget.methods.largest import (
     CONFIDENCE,
@@ -34,14 +36,17 @@ from budget.methods.largest import (
     sampling_interval,
 )
 from budget.methods.normality import end_accuracy
+from budget.methods.radius import principal_variances, probability_within
 from budget.methods.trials import first_trials
 from budget.question import Limited
 from budget.results import (
     BY_LAW,
     BY_TRIALS,
+    NO_REMEDY,
     TINY,
-    OutputAssessment,
+    JudgedOutput,
     Probability,
+    Remedy,
 )
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.ties import ALIKE, equal_to, first_largest, settle
@@ -55,7 +60,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Problem
-    from budget.results import Standing
+    from budget.results import Verdict
 
 TRIALS = 100_000  # at first
 MAX_TRIALS = 1_600_000  # where more trials stop trying to settle a verdict
@@ -63,6 +68,7 @@ STEP = 4  # times as many trials in each try
 # Of what sampling leaves open of an end of a normal output: a law that is surer is
 # surer than trials of any output that is so nearly normal [1].
 SURE = 0.5
+GROWTH = 4.0  # of a variance, from one try of a bracket to the next [1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,11 +81,19 @@ class Marks:
     @classmethod
     def of(cls, each: Array) -> Marks:
         """Pack an array of bool, shape (trials,)."""
+        if (n := np.count_nonzero(each)) in {0, each.size}:
+            return _alike_marks(each.size, is_inside=n > 0)
         return cls(bits=np.packbits(each.astype(bool)), size=each.size)
 
     def first(self, number: int) -> NDArray[np.bool_]:
         """Return the marks of the first trials, bool, shape (number,)."""
         return np.unpackbits(self.bits, count=number).astype(bool)
+
+
+@lru_cache(maxsize=8)
+def _alike_marks(size: int, *, is_inside: bool) -> Marks:
+    """Return marks that are all the same, which most devices share."""
+    return Marks(bits=np.packbits(np.full(size, is_inside)), size=size)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -435,17 +449,17 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 def assess_outputs(
     held: Limited,
     judged: Judged,
-    standing: Standing,
+    verdict: Verdict,
     lacks: Mapping[Name, tuple[Name, ...]],
-) -> tuple[OutputAssessment, ...]:
+) -> tuple[JudgedOutput, ...]:
     """Return every required output against its limit.
 
     `lacks` are the lines that are not given and would widen an output, by its name;
     those that by the verdict are negligible leave nothing open.
     """
-    open_to = [standing.matter(lacks[output.name]) for output in held.outputs]
+    open_to = [verdict.matter(lacks[output.name]) for output in held.outputs]
     return tuple(
-        OutputAssessment(
+        JudgedOutput(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],
@@ -453,12 +467,73 @@ def assess_outputs(
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lower_bound=bool(open_to[k]),
-            is_unknown=bool(open_to[k] and judged.u[k] <= output.resolution),
+            lacks=open_to[k],
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)
     )
+
+
+def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
+    """Return the source that makes most of the worst output, and what would mend it.
+
+    With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
+    gives the factor f on its standard uncertainty, by the law and with the k of the
+    interval that was judged; its small part in products with other sources is left as
+    it is. Of a length, the circle that was judged goes as the law's does.
+    """
+    worst = judged.worst
+    row = held.rows[worst]
+    parts = law.source_variance[:, row]
+    if not parts.size:  # a sensor without lines has the row of products alone
+        return NO_REMEDY
+    source = first_largest(parts.tolist())
+    total = float(law.covariance[row, row])
+    name = held.problem.groups[source].name
+    if total == 0.0:
+        return Remedy(source=name, share=0.0, factor=None)
+    if row >= law.value.size - law.legs.shape[1]:
+        factor = _of_length(held, law, judged, source)
+        return Remedy(source=name, share=float(parts[source]) / total, factor=factor)
+    k = float(judged.factor[worst])
+    allowed = (max(held.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
+    rest = total - float(parts[source])
+    can_mend = allowed > rest and parts[source] > 0.0
+    return Remedy(
+        source=name,
+        share=float(parts[source]) / total,
+        factor=float(np.sqrt((allowed - rest) / parts[source])) if can_mend else None,
+    )
+
+
+def _of_length(
+    held: Limited, law: Propagation, judged: Judged, source: int
+) -> float | None:
+    """Return the factor on a source that brings a length to its limit; None: none does.
+
+    The ellipse of U - (1 - f^2) U_s gives a circle of the limit's radius, times what
+    the law's circle is to that which was judged, its coverage.
+    """
+    from scipy.optimize import brentq
+
+    row = held.rows[judged.worst]
+    legs = law.legs[:, row - (law.value.size - law.legs.shape[1])]
+    part = covariance_by_source(held.problem, law)[source][np.ix_(legs, legs)]
+    rest = law.covariance[np.ix_(legs, legs)] - part
+    by_law = law.interval(held.every_coverage)[row, 1]
+    radius = np.array([by_law / judged.utilisation])
+
+    def excess(squared: float) -> float:
+        (a, between), (_, b) = (rest + squared * part)[:, :, None]
+        within = probability_within(radius, principal_variances(a, b, between))
+        return float(within[0] - held.coverage[judged.worst])
+
+    if excess(0.0) <= 0.0:
+        return None
+    most = 1.0
+    while excess(most) > 0.0:
+        most *= GROWTH
+    return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
 
 
 def together(judged: Sequence[Judged]) -> Probability:

@@ -299,11 +299,14 @@ def bought(question: Question, budget: Budget | None = None) -> tuple[Calibrated
             Calibrated(
                 name=procedure.name,
                 cep=tuple(grown.radius(CEP).tolist()),
-                lower_bound=any(
-                    budget.output(name).lacks
-                    if budget is not None and procedure is own
-                    else one.lacks[name]
+                lacks=tuple(
+                    line
                     for name in names
+                    for line in (
+                        budget.output(name).lacks
+                        if budget is not None and procedure is own
+                        else one.lacks[name]
+                    )
                 ),
             )
         )

@@ -65,7 +65,7 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.question import Question, given_lines
-from budget.results import InputFile, Tabled, input_files
+from budget.results import InputFile, LimitedOutput, Study, input_files
 from budget.sentences import described, sentence
 from budget.settings import Asked, Inputs, asking
 from budget.studies.blunders import against_limits
@@ -92,7 +92,7 @@ if TYPE_CHECKING:
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
     from budget.problem import Output, Problem
-    from budget.results import Standing
+    from budget.results import Verdict
 
 RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # limit over U of the station [1]
 GUARD, MOST_GUARD = 1.0, 10.0  # r, of a guard band r U [1]
@@ -192,12 +192,9 @@ class StationFigure(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class StationOutput(Documented):
+class StationOutput(LimitedOutput):
     """One limited output at one station."""
 
-    output: Output
-    limit: float  # [SI]
-    printed_limit: str
     expanded: float  # U of the station alone, at the coverage of the requirement [SI]
     utilisation: float  # U over limit / R [1]
     sources: tuple[Name, ...]  # that take most of it; () where it is 0
@@ -327,11 +324,10 @@ class StationVerdict(Documented):
     most_false_accept=lambda _: MOST_FALSE_ACCEPT,
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Qualification(Tabled):
+class Qualification(Study):
     """Everything that `budget station` says."""
 
     title: str
-    inputs: tuple[InputFile, ...]
     requirement: str
     procedure: Procedure
     ratio: float  # R [1]
@@ -344,10 +340,8 @@ class Qualification(Tabled):
     stations: tuple[StationVerdict, ...]  # the procedure's own first
     # Correlation and warm-up time that figures were found with, by source [s].
     times: Mapping[Name, float]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     # Verdicts on what is calibrated by this test, at its own station, by triad.
-    standings: tuple[tuple[str, Standing], ...] = ()
+    standings: tuple[Verdict, ...] = ()
 
     @property
     def own(self) -> StationVerdict | None:
@@ -449,9 +443,9 @@ def qualify(
         ),
         warnings=(*_warnings(case, names), *against_limits(how, wanted)),
         standings=tuple(
-            (kind, standing)
-            for kind in (sensor.kind for sensor in sensors)
-            for standing in [stand(question.alone(kind), seed=0)]
+            standing
+            for sensor in sensors
+            for standing in [stand(question.alone(sensor.kind), seed=0)]
             if standing is not None
         ),
     )

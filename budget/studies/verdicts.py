@@ -50,6 +50,7 @@ from budget.inputs.records import JOINT
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
+from budget.known import Known
 from budget.methods.gum import covariance_by_source, propagate
 from budget.methods.radius import principal_variances, radius_of
 from budget.missing import line_of, shipped_devices, usual_line
@@ -70,7 +71,7 @@ from budget.model.sources.temperature import (
     RATE_COEFFICIENT,
 )
 from budget.names import AIDING, Name, time_text, words
-from budget.results import TINY, VERDICTS, Caution, Condition, Standing
+from budget.results import TINY, VERDICTS, Condition, Verdict
 from budget.sentences import sentence
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
@@ -80,9 +81,12 @@ from budget.studies.ceilings import (
     largest_printed,
     printed_by_others,
 )
+from budget.studies.doubt import doubt_of
 from budget.studies.jointly import Jointly, components_of
 from budget.studies.judgement import (
     TRIALS,
+    assess_outputs,
+    find_remedy,
     interval_by_law,
     judge,
 )
@@ -156,7 +160,7 @@ def decide(
     seed: int,
     doubt: Doubt | None = None,
     readings: ReadingVerdicts | None = None,
-) -> Standing:
+) -> Verdict:
     """Return the verdict on a question, the same in every command.
 
     Parameters
@@ -180,11 +184,7 @@ def decide(
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
     lost = (
-        *(
-            Condition(kind=NO_TIME, line=one.line, text=one.text)
-            for one in found.cautions
-            if one.kind == NO_TIME
-        ),
+        *(one for one in found.cautions if one.kind == NO_TIME),
         *_lost(question, held),
     )
     if not lost:
@@ -193,11 +193,13 @@ def decide(
         found,
         verdict=UNDECIDED,
         conditions=lost,
-        cautions=tuple(dict.fromkeys((*_as_cautions(lost), *found.cautions))),
+        cautions=tuple(dict.fromkeys((*lost, *found.cautions))),
     )
 
 
-def _of_aids(question: Question, held: Limited, law: Propagation) -> Iterator[Caution]:
+def _of_aids(
+    question: Question, held: Limited, law: Propagation
+) -> Iterator[Condition]:
     """Yield what an aided mission is judged with, and where its filter is too sure."""
     mission, outputs = question.journey, held.outputs
     if mission is None or not mission.aiding:
@@ -207,12 +209,12 @@ def _of_aids(question: Question, held: Limited, law: Propagation) -> Iterator[Ca
     during = [t for t in times if any(begin < t <= end for begin, end in spans)]
     if during:
         text = sentence("conditions.aided", times=during)
-        yield Caution(kind="aided", line=Name(AIDING), text=text)
+        yield Condition(kind="aided", line=Name(AIDING), text=text)
     if mission.filter is not None and question.only is None:
         journey = journey_of(mission, times, question.sensors, question.procedure)
         errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
         for said in overconfident(errors):
-            yield Caution(kind="filter", line=Name(AIDING), text=said)
+            yield Condition(kind="filter", line=Name(AIDING), text=said)
 
 
 def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
@@ -247,7 +249,7 @@ def _decided(
     seed: int,
     doubt: Doubt | None,
     readings: ReadingVerdicts | None,
-) -> Standing:
+) -> Verdict:
     """Return the verdict as far as the equations are of first order."""
     silent = unjudged(question)
     cautions, words = silent.cautions, replace(silent, conditions=())
@@ -291,7 +293,7 @@ def _decided(
         words,
         verdict=verdict,
         conditions=(*conditions, *uses),
-        cautions=(*_as_cautions((*conditions, *uses)), *cautions),
+        cautions=(*conditions, *uses, *cautions),
         at_ceilings=margin.at_ceilings,
         negligible=tuple(x for x in expected_of(question) if x not in margin.missing),
     )
@@ -346,11 +348,12 @@ def lacking_in_test(question: Question) -> tuple[Name, ...]:
     )
 
 
-def unjudged(question: Question) -> Standing:
+def unjudged(question: Question) -> Verdict:
     """Return how it stands before anything is computed: what it lacks decides."""
     requirement = question.wanted
-    return Standing(
+    return Verdict(
         verdict=UNDECIDABLE,
+        sensor=question.owner,
         conditions=tuple(
             Condition(
                 kind="missing",
@@ -377,7 +380,45 @@ def unjudged(question: Question) -> Standing:
     )
 
 
-def stand(question: Question, *, seed: int) -> Standing | None:
+def verdict_on(
+    question: Question,
+    held: Limited,
+    law: Propagation,
+    judged: Judged,
+    *,
+    seed: int,
+    readings: ReadingVerdicts | None = None,
+) -> Verdict:
+    """Return the verdict on a question with its numbers; arguments as of `decide`."""
+    prediction, missing = question.filled.prediction, question.missing
+    doubt = None
+    if prediction is not None and not missing and not held.absent:
+        doubt = doubt_of(prediction, held, law, judged)
+    found = decide(
+        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
+    )
+    outputs = assess_outputs(held, judged, found, question.lacks)
+    why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
+    is_bound = found.misses or bool(why)
+    return replace(
+        found,
+        outputs=outputs,
+        utilisation=Known(judged.utilisation, high=inf if is_bound else None, why=why),
+        utilisation_interval=judged.utilisation_interval,
+        worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
+        remedy=find_remedy(held, law, judged),
+        conformance=judged.conformance,
+        at_medians=prediction is not None,
+        trials=judged.trials,
+        expected_missing=found.matter(missing),
+        nothing_known=not question.has_lines,
+        doubt=doubt,
+        not_estimated=held.absent,
+        readings=readings,
+    )
+
+
+def stand(question: Question, *, seed: int) -> Verdict | None:
     """Judge a question, by few trials where they are needed; None: it has no limit."""
     held, law = question.held, question.law
     if held is None:
@@ -389,20 +430,6 @@ def stand(question: Question, *, seed: int) -> Standing | None:
 def gravest(verdicts: Iterable[str]) -> str:
     """Return what parts are together: one that fails, fails."""
     return max(verdicts, key=VERDICTS.index)
-
-
-def _as_cautions(conditions: Sequence[Condition]) -> tuple[Caution, ...]:
-    """Return what conditions say as cautions."""
-    return tuple(
-        Caution(
-            kind=one.kind,
-            line=one.line,
-            text=one.text,
-            bound=None if one.below is None else one.below / one.si_per_unit,
-            unit=one.unit,
-        )
-        for one in conditions
-    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -1164,7 +1191,7 @@ def _is_felt(question: Question, key: str) -> bool:
     )
 
 
-def cautions_of(question: Question) -> tuple[Caution, ...]:
+def cautions_of(question: Question) -> tuple[Condition, ...]:
     """Return what qualifies a verdict whatever it is.
 
     What is given and nothing exercises; figures that hold over less than the age of the
@@ -1178,7 +1205,7 @@ def cautions_of(question: Question) -> tuple[Caution, ...]:
     )
     return (
         *(
-            Caution(
+            Condition(
                 kind="range",
                 line=Name("range", owner=one.sensor),
                 text=sentence(
@@ -1188,7 +1215,7 @@ def cautions_of(question: Question) -> tuple[Caution, ...]:
             for one in _peaks(question)
         ),
         *(
-            Caution(
+            Condition(
                 kind=SATURATES,
                 line=Name("range", owner=one.peak.sensor),
                 text=one.said,
@@ -1210,13 +1237,13 @@ def cautions_of(question: Question) -> tuple[Caution, ...]:
     )
 
 
-def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Caution]:
+def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Condition]:
     """Yield what a line that is given leaves open in the use that is stated."""
     stated = stated_of(question.procedure) if question.is_later else {}
     key = source_of(name.owner, line.name).use
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
     if is_idle and key not in _exercised_in_test(question):
-        yield Caution(
+        yield Condition(
             kind="not_exercised",
             line=name,
             text=sentence(
@@ -1227,7 +1254,7 @@ def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Caution
         yield from _open_lines(name, line)
     felt = stated.get("temperature")
     if felt is not None and felt.u.any() and _includes(line, "temperature"):
-        yield Caution(
+        yield Condition(
             kind="temperature",
             line=name,
             text=sentence(
@@ -1241,7 +1268,7 @@ def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Caution
         and line.name not in AGEING.values()
         and time.value < age.u[0]
     ):
-        yield Caution(
+        yield Condition(
             kind="horizon",
             line=name,
             text=sentence(
@@ -1252,7 +1279,7 @@ def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Caution
 
 def _unusual(
     device: Device, catalogue: Sequence[Device] | None = None
-) -> Iterator[Caution]:
+) -> Iterator[Condition]:
     """Yield the lines of a sheet that are far from those of every other device.
 
     So is a bias stability that has no time to be one: of a standard uncertainty s and a
@@ -1266,7 +1293,7 @@ def _unusual(
                 least, most = found
                 is_low = line.largest < least.u / FAR_ABOVE
                 if is_low or line.largest > most.u * FAR_ABOVE:
-                    yield Caution(
+                    yield Condition(
                         kind="unusual",
                         line=name,
                         text=sentence(
@@ -1279,7 +1306,7 @@ def _unusual(
                     )
             time = line.correlation_time
             if line.name == STABILITY and time is not None and time.min() < SHORT:
-                yield Caution(
+                yield Condition(
                     kind=NO_TIME,
                     line=name,
                     text=sentence(
@@ -1332,7 +1359,7 @@ def least_range(kind: str) -> float:
     )
 
 
-def cautions_of_device(device: Device) -> tuple[Caution, ...]:
+def cautions_of_device(device: Device) -> tuple[Condition, ...]:
     """Return what a data sheet leaves open, whatever it is held against.
 
     What is expected of it and not given; what nothing exercises before somebody states
@@ -1345,14 +1372,14 @@ def cautions_of_device(device: Device) -> tuple[Caution, ...]:
     )
 
 
-def _of_sheet(sensor: Sensor) -> Iterator[Caution]:
+def _of_sheet(sensor: Sensor) -> Iterator[Condition]:
     """Yield what a triad is not given, and what its lines leave open."""
     if absent := sensor.expected_missing:
         text = sentence("conditions.not_given", lines=absent)
-        yield Caution(kind="missing", line=absent[0], text=text)
+        yield Condition(kind="missing", line=absent[0], text=text)
     if sensor.range is None:
         text = sentence("conditions.no_range", sensor=sensor.kind)
-        yield Caution(kind="range", line=Name("range", owner=sensor.kind), text=text)
+        yield Condition(kind="range", line=Name("range", owner=sensor.kind), text=text)
     for line in sensor.lines:
         name = Name(line.name, owner=sensor.kind)
         key = source_of(sensor.kind, line.name).use
@@ -1360,14 +1387,14 @@ def _of_sheet(sensor: Sensor) -> Iterator[Caution]:
             text = sentence(
                 "conditions.acts_at_use", line=name, printed=line.printed, use=key
             )
-            yield Caution(kind="not_exercised", line=name, text=text)
+            yield Condition(kind="not_exercised", line=name, text=text)
         elif key != "age" and time_of(line.horizon) is not None:
             text = sentence("conditions.lasts", line=name, time=line.horizon)
-            yield Caution(kind="horizon", line=name, text=text)
+            yield Condition(kind="horizon", line=name, text=text)
         yield from _open_lines(name, line)
 
 
-def _aside(device: Device) -> Iterator[Caution]:
+def _aside(device: Device) -> Iterator[Condition]:
     """Yield figures that are called as a line which the sheet does not give."""
     for figure in device.figures:
         called = re.sub("[^a-z0-9]+", " ", figure.name.lower())
@@ -1378,7 +1405,7 @@ def _aside(device: Device) -> Iterator[Caution]:
             for line in sensor.not_given:
                 is_called = line.quantity in known and line.quantity != QUANTIZATION
                 if is_called or f" {words(line.quantity)} " in f" {after}":
-                    yield Caution(
+                    yield Condition(
                         kind="unusual",
                         line=line,
                         text=sentence(
@@ -1390,7 +1417,7 @@ def _aside(device: Device) -> Iterator[Caution]:
                     )
 
 
-def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
+def _open_lines(name: Name, line: ErrorLine) -> Iterator[Condition]:
     """Yield what a line leaves to whoever reads it."""
     says = dict(line.says)
     is_floor = line.name == STABILITY and line.definition == ALLAN_FLOOR
@@ -1401,7 +1428,7 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Caution]:
     }
     for kind in filter(is_open.get, is_open):
         text = sentence("conditions.left_open", line=name, what=kind)
-        yield Caution(kind=kind, line=name, text=text)
+        yield Condition(kind=kind, line=name, text=text)
 
 
 def calibration_words(procedure: Procedure) -> str:

@@ -36,12 +36,13 @@ from budget.distributions import normal_coverage_factor
 from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs.use import STATED
+from budget.known import Known
 from budget.language import axis_title, key_title, say
 from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import limited_but_held, question_of
-from budget.results import BY_LAW
+from budget.results import BY_LAW, LimitedOutput, Verdict
 from budget.sentences import sentence
 from budget.studies.conformity import margins
 from budget.studies.verdicts import (
@@ -137,16 +138,6 @@ class WhatIfSensor:
     doubt: tuple[float, float] = (1.0, 1.0)  # interval of the utilisation over it [1]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SensorOutlook:
-    """The verdict on one sensor at changed sources."""
-
-    sensor: str
-    verdict: str  # one of budget.studies.verdicts.VERDICTS
-    utilisation: float  # the largest over its required outputs [1]
-    worst_output: Name  # dotted name
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Outlook:
     """What the law says at changed sources."""
@@ -160,7 +151,7 @@ class Outlook:
     share: Array
     # Of each output; None where nothing is required [1].
     utilisation: tuple[float | None, ...]
-    sensors: tuple[SensorOutlook, ...]  # of the sensors of which something is required
+    sensors: tuple[Verdict, ...]  # of the sensors of which something is required
 
 
 @written(
@@ -170,7 +161,7 @@ class Outlook:
     sensor = output.name.owner
     title (str): in words
     group (str): what several axes are of, in words
-    axis: with the coverage where it is another than that of the budget
+    axis = named: with the coverage where it is another than that of the budget
     is_timed: whether it is of a mission
     unit = output.unit
     value / unit: of the calibration
@@ -178,8 +169,8 @@ class Outlook:
     length: its place among lengths; null of what is none
     factor [1]: k, of a length on the radius of the circle of its coverage
     shift [1]: d
-    limit / unit: null where there is none
-    lower_bound: whether a line that is not given would widen it
+    limit / unit or null: null where there is none
+    lower_bound = lacks (bool): whether a line that is not given would widen it
     resolution = output.resolution / unit: a spread at or below this is rounding
     added / unit / unit: V and, of lengths, D/2 and W of missing lines at their ceilings
     """,
@@ -188,18 +179,15 @@ class Outlook:
     is_timed=lambda one: one.output.name.time is not None,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
-class WhatIfOutput:
+class WhatIfOutput(LimitedOutput):
     """One output, as a page computes it."""
 
-    output: Output
-    axis: str
+    named: str  # its axis, with a coverage of its own
     value: float  # [SI]
     coverage: float  # [1]
     length: int | None
     factor: float  # [1]
     shift: float  # [1]
-    limit: float | None  # [SI]
-    lower_bound: bool
     added: Array  # shape (3,) [SI squared]
 
 
@@ -261,8 +249,8 @@ class WhatIf(Documented):
     limit: tuple[float | None, ...]
     # Probability of each interval, that of its limit, shape (n_out,) [1].
     coverages: Array = field(repr=False)
-    # Of each output: whether a line that is not given would widen it.
-    lower_bound: tuple[bool, ...]
+    # Of each output: the lines that are not given and would widen it.
+    lacks: tuple[tuple[Name, ...], ...]
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
     # What missing lines add at their ceilings: V and, of lengths, D/2 and W
     # (budget.methods.scaling), shape (3, n_out) [SI squared].
@@ -328,14 +316,14 @@ class WhatIf(Documented):
         return tuple(
             WhatIfOutput(
                 output=output,
-                axis=self._axis(k),
+                named=self._axis(k),
                 value=self.law.value[k],
                 coverage=self.coverages[k],
                 length=self.lengths.index(k) if k in self.lengths else None,
                 factor=self.coverage_factor[k] / along[k],
                 shift=self.shift[k],
-                limit=self.limit[k],
-                lower_bound=self.lower_bound[k],
+                limit=inf if (limit := self.limit[k]) is None else limit,
+                lacks=self.lacks[k],
                 added=self.added[:, k],
             )
             for k, output in enumerate(self.outputs)
@@ -378,7 +366,7 @@ class WhatIf(Documented):
         at_top: Sequence[float | None],
         *,
         changed: bool,
-    ) -> tuple[SensorOutlook, ...]:
+    ) -> tuple[Verdict, ...]:
         """Return the verdicts, by the rules of budget.studies.verdicts.
 
         Those of the unchanged device are its own.
@@ -398,12 +386,12 @@ class WhatIf(Documented):
             used, _, worst = own[first_largest([row[0] for row in own])]
             is_own = sensor.verdict == PREDICTED or not changed
             outlooks.append(
-                SensorOutlook(
+                Verdict(
                     sensor=sensor.name,
                     verdict=(is_own and sensor.verdict)
                     or _verdict(sensor, used, max(top for _, top, _ in own)),
-                    utilisation=used,
-                    worst_output=worst,
+                    utilisation=Known(used),
+                    worst_outputs=(worst,),
                 )
             )
         return tuple(outlooks)
@@ -546,7 +534,7 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
         shift=np.concatenate([one.shift for one in both]),
         limit=(*calibration.limit, *mission.limit),
         coverages=np.concatenate([one.coverages for one in both]),
-        lower_bound=(*calibration.lower_bound, *mission.lower_bound),
+        lacks=(*calibration.lacks, *mission.lacks),
         law=law.select_sources(names),
         added=np.concatenate([one.added for one in both], axis=1),
     )
@@ -557,7 +545,7 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
     problem, law, required = question.problem, question.law, question.requirement
     held_against = None if budget is None else budget.assessment
     bounds = {
-        row.output.name: row.lower_bound
+        row.output.name: row.lacks
         for row in (held_against.outputs if held_against else ())
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
@@ -612,9 +600,8 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
         shift=shift[rows],
         limit=tuple(limits.get(output.name) for output in outputs),
         coverages=coverages[rows],
-        lower_bound=tuple(
-            bounds.get(output.name, bool(question.lacks[output.name]))
-            for output in outputs
+        lacks=tuple(
+            bounds.get(output.name, question.lacks[output.name]) for output in outputs
         ),
         law=scaled.select([output.name for output in outputs]),
         added=np.zeros((3, len(outputs))),
@@ -702,7 +689,7 @@ class Step:
     output = output.name: where its share is largest
     unit = output.unit
     share [1]: of the variance of that output as it is
-    lower_bound: whether a line that is not given would widen that output
+    lower_bound = lacks (bool): whether a line that is not given would widen that output
     meets_up_to = most or null [1]: largest factor at which all limits are kept; null
       where none is, or any will do
     meets_at_any (bool)
@@ -711,7 +698,7 @@ class Step:
     meets_at_any=lambda row: row.most == inf,
 )
 @dataclass(frozen=True, kw_only=True)
-class SourceSteps(Documented):
+class SourceSteps(LimitedOutput):
     """One source in several sizes, seen at the output where its share is largest.
 
     The verdict, and the part of the limit, are of all that is judged by the source:
@@ -719,10 +706,8 @@ class SourceSteps(Documented):
     """
 
     source: WhatIfSource
-    output: Output
     share: float  # of the variance of that output as it is [1]
-    lower_bound: bool  # a line that is not given would widen that output
-    used_lower_bound: bool  # or an output that has such a limit
+    used_lacks: tuple[Name, ...]  # or an output that has such a limit
     steps: tuple[Step, ...]
     # Largest factor at which all these limits are kept, the others as they are [1];
     # None where not even 0 is enough, or nothing is limited; inf where any will do.
@@ -742,8 +727,15 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
                 source=source,
                 output=what_if.outputs[k],
                 share=float(present.share[k, g]),
-                lower_bound=what_if.lower_bound[k],
-                used_lower_bound=_is_used_lower_bound(what_if, judged),
+                lacks=what_if.lacks[k],
+                used_lacks=tuple(
+                    line
+                    for own, limit, lacks in zip(
+                        what_if.outputs, what_if.limit, what_if.lacks, strict=True
+                    )
+                    if own.name.owner in judged and limit is not None
+                    for line in lacks
+                ),
                 steps=tuple(
                     _step(what_if, outlook, factor, k, judged)
                     for factor, outlook in zip(FACTORS, outlooks, strict=True)
@@ -795,17 +787,6 @@ def mended(what_if: WhatIf, sensor: str) -> tuple[WhatIfSource, float] | None:
             }:
                 able.append((source, factor))
     return max(able, key=lambda one: settle(one[1]), default=None)
-
-
-def _is_used_lower_bound(what_if: WhatIf, judged: Sequence[str]) -> bool:
-    """Whether the part of its limits that what is judged uses is that or more."""
-    return any(
-        lacks
-        for output, limit, lacks in zip(
-            what_if.outputs, what_if.limit, what_if.lower_bound, strict=True
-        )
-        if output.name.owner in judged and limit is not None
-    )
 
 
 def _step(

@@ -13,7 +13,7 @@ from budget.report.pages import figure, line
 from budget.report.tables import print_given
 from budget.ties import first_largest
 from budget.units import PPM
-from zhao_2019.printed import Verdict
+from zhao_2019.printed import Agreement
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -32,7 +32,7 @@ ALIKE = 0.01  # curves whose ends differ by less of the largest share a label [1
 
 NEAR_ONE = 1e-3  # a ratio this close to 1 is printed with all its digits [1]
 AIR = 2.0  # times the farthest ratio to the end of the axis [1]
-FITS = (Verdict.FITS_MEAN, Verdict.FITS_SINGLE)
+FITS = (Agreement.FITS_MEAN, Agreement.FITS_SINGLE)
 JOINED = ", all "  # in the place of a row that speaks of all axes
 
 
@@ -127,8 +127,8 @@ def ratio_chart(study: PaperStudy) -> Chart:
         rows=rows,
         far=far,
         fits=sum(row.verdict in FITS for row in rows),
-        is_open=any(row.verdict == Verdict.UNEXPLAINED for row in rows),
-        unexplained=Verdict.UNEXPLAINED,
+        is_open=any(row.verdict == Agreement.UNEXPLAINED for row in rows),
+        unexplained=Agreement.UNEXPLAINED,
         print=print_ratio,
     )
     scale = Scale(

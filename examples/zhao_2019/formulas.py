@@ -18,7 +18,7 @@ from budget.earth import ROTATION_RATE
 from budget.names import ANGLES, AXES
 from budget.sentences import sentence
 from budget.units import ARCSEC, DEG_PER_HOUR, STANDARD_GRAVITY
-from zhao_2019.printed import Finding, Verdict
+from zhao_2019.printed import Agreement, Finding
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -123,9 +123,9 @@ def formula_findings(conditions: Conditions) -> tuple[Finding, ...]:
     findings = []
     for formula in compute_formulas(conditions):
         given, remark = formula.given, ""
-        verdict = Verdict.AGREES if formula.is_right else Verdict.UNEXPLAINED
+        verdict = Agreement.AGREES if formula.is_right else Agreement.UNEXPLAINED
         if formula.is_right and formula.is_misprint:
-            verdict = Verdict.MISPRINT if given.is_slip else Verdict.EXPLAINED
+            verdict = Agreement.MISPRINT if given.is_slip else Agreement.EXPLAINED
             remark = sentence("paper_words.cause", text=given.note)
         findings.append(
             conditions.paper.tell(

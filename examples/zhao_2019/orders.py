@@ -33,8 +33,8 @@ from zhao_2019.printed import (
     U_SINGLE,
     UNITS,
     VALUE,
+    Agreement,
     Finding,
-    Verdict,
     agrees_if,
     say_number,
 )
@@ -69,7 +69,7 @@ def order_findings(
         other, cause = None, ""
         if printed.name == NOISE:
             of_noise = noise_readings(printed, conditions)
-            fitting = [r.where for r in of_noise if r.verdict == Verdict.READING_FITS]
+            fitting = [r.where for r in of_noise if r.verdict == Agreement.READING_FITS]
             names = dict.fromkeys(where.partition(": ")[2] for where in fitting)
             if names:
                 cause = sentence("paper_words.all_orders", names=tuple(names))
@@ -126,7 +126,7 @@ def noise_readings(printed: PrintedOrders, conditions: Conditions) -> list[Findi
                     printed=order,
                     ours=float(found.u[PLACES[parameter]].max()),
                     quantity=U_SINGLE,
-                    verdict=Verdict.READING_FITS if fits else Verdict.READING_FAILS,
+                    verdict=Agreement.READING_FITS if fits else Agreement.READING_FAILS,
                     p=p[parameter],
                     orders=printed,
                     parameter=parameter,
@@ -153,18 +153,18 @@ def _judge(
     if found.u[place].any():
         p = _probabilities(printed, parameter, found)
         ours, quantity = float(found.u[place].max()), U_SINGLE
-        case, verdict = "random", Verdict.AGREES_IN_ORDER
+        case, verdict = "random", Agreement.AGREES_IN_ORDER
         if max(p) >= LEVEL:
             cause = ""
         else:
-            verdict = Verdict.READING if cause else Verdict.UNEXPLAINED
+            verdict = Agreement.READING if cause else Agreement.UNEXPLAINED
     elif ours <= zero:
         ours, case = 0.0, "rounding" if order else "zero"
         verdict = agrees_if(order <= zero)
     else:
         case = "fixed"
         same = power_of_ten(ours) == power_of_ten(order)
-        verdict = Verdict.AGREES_IN_ORDER if same else Verdict.EXPLAINED
+        verdict = Agreement.AGREES_IN_ORDER if same else Agreement.EXPLAINED
     return conditions.paper.tell(
         "order of the text",
         case,
@@ -193,7 +193,7 @@ def _bound(conditions: Conditions) -> Finding:
         "bound of the text",
         ours=sentence("paper_words.largest", text=largest),
         ratio=beyond,
-        verdict=Verdict.EXPLAINED if as_order else Verdict.UNEXPLAINED,
+        verdict=Agreement.EXPLAINED if as_order else Agreement.UNEXPLAINED,
         bound=paper.bound,
         beyond=beyond,
     )
@@ -315,11 +315,11 @@ def sweep_findings(
     findings: list[Finding] = []
     for sweep in sweeps:
         order, ours = float(sweep.given.order), sweep.largest
-        verdict, case = Verdict.AGREES_IN_ORDER, "same order"
+        verdict, case = Agreement.AGREES_IN_ORDER, "same order"
         if not ours:
-            verdict, case = Verdict.AGREES, "zero"
+            verdict, case = Agreement.AGREES, "zero"
         elif power_of_ten(ours) != power_of_ten(order):
-            verdict, case = Verdict.UNEXPLAINED, "other order"
+            verdict, case = Agreement.UNEXPLAINED, "other order"
         elif not sweep.slopes.any():
             case = "level"
         findings.append(
@@ -360,7 +360,7 @@ def sweep_findings(
             "reading of a figure",
             printed=third.given.order,
             ours=factor * third.largest,
-            verdict=Verdict.READING_FAILS,
+            verdict=Agreement.READING_FAILS,
             sweep=third,
             name=name,
             why=why,

@@ -20,7 +20,7 @@ from zhao_2019.printed import (
     U_SINGLE,
     VALUE,
     WORD,
-    Verdict,
+    Agreement,
     say_number,
 )
 
@@ -70,7 +70,7 @@ def _page(study: PaperStudy) -> Page:
                 Abreast(blocks=tuple(sweep_plot(one).picture for one in study.sweeps)),
             )
         ),
-        UNEXPLAINED=Verdict.UNEXPLAINED,
+        UNEXPLAINED=Agreement.UNEXPLAINED,
         U_MEAN=U_MEAN,
         U_SINGLE=U_SINGLE,
         WORD=WORD,

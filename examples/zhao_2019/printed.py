@@ -31,7 +31,7 @@ RUNS = 25  # of each condition, section 3.1
 UNITS = {"1": 1.0, "arcsec": 2.0, "deg/h": 2.5}
 
 
-class Verdict(StrEnum):
+class Agreement(StrEnum):
     """How ours stands to what is printed; the paper's file says what each means."""
 
     AGREES = "agrees"
@@ -90,7 +90,7 @@ class Finding:
     # Ours over printed, of absolute values [1]; None where one of them is no number or
     # zero.
     ratio: float | None = None
-    verdict: Verdict
+    verdict: Agreement
     why: str  # in words
     # Probability of values at least as extreme as the printed one, two-sided, if it is
     # a single run or a mean over 25; of an order of magnitude, the probability of that
@@ -281,7 +281,7 @@ class Paper(Strict):
             angles = ", ".join(self.angle_order)
             message = f"has {angles}, expected every angle once: {', '.join(ANGLES)}"
             raise faults({("angle_order",): message})
-        known = [str(verdict) for verdict in Verdict]
+        known = [str(verdict) for verdict in Agreement]
         counted = [word for card in self.cards.values() for word in card]
         for key, found in (("verdicts", list(self.verdicts)), ("cards", counted)):
             if sorted(found) != sorted(known):
@@ -313,7 +313,7 @@ class Paper(Strict):
         case: str = "",
         *,
         ours: float | str,
-        verdict: Verdict,
+        verdict: Agreement,
         printed: str = "",
         against: float | None = None,
         ratio: float | None = None,
@@ -365,9 +365,9 @@ def load_paper() -> Paper:
     return check(read(FILE, FILE.name), Paper)
 
 
-def agrees_if(condition: bool) -> Verdict:  # noqa: FBT001 - the one thing it asks
+def agrees_if(condition: bool) -> Agreement:  # noqa: FBT001 - the one thing it asks
     """Return the verdict on what can only agree or stay unexplained."""
-    return Verdict.AGREES if condition else Verdict.UNEXPLAINED
+    return Agreement.AGREES if condition else Agreement.UNEXPLAINED
 
 
 def say_number(value: float, digits: int = 2) -> str:

@@ -20,7 +20,7 @@ from budget.units import ARCSEC, DEG_PER_HOUR
 from zhao_2019.conditions import PLACES, load_conditions, only_sources
 from zhao_2019.formulas import formula_findings
 from zhao_2019.orders import compute_sweeps, order_findings, sweep_findings
-from zhao_2019.printed import Finding, Verdict, say_number
+from zhao_2019.printed import Agreement, Finding, say_number
 from zhao_2019.readings import MOUNTING, readings
 from zhao_2019.table1 import reading_findings, table1_findings
 
@@ -67,10 +67,10 @@ class PaperStudy(Documented):
         return tuple(row for row in self.findings if row.section == section)
 
     @property
-    def counts(self) -> dict[Verdict, int]:
-        """How many rows have each verdict that occurs, in the order of Verdict."""
+    def counts(self) -> dict[Agreement, int]:
+        """How many rows have each verdict that occurs, in the order of Agreement."""
         found = Counter(row.verdict for row in self.findings)
-        return {verdict: found[verdict] for verdict in Verdict if found[verdict]}
+        return {verdict: found[verdict] for verdict in Agreement if found[verdict]}
 
     @property
     def unexplained(self) -> tuple[Finding, ...]:
@@ -78,7 +78,7 @@ class PaperStudy(Documented):
         return tuple(
             row
             for row in self.findings
-            if row.verdict == Verdict.UNEXPLAINED and row.is_summary
+            if row.verdict == Agreement.UNEXPLAINED and row.is_summary
         )
 
 
@@ -185,16 +185,16 @@ def _finding(
     answers = couplings.answers(source, group)
     given = {answer for _, _, answer in answers}
     by_printed = all(answer == (claim if one else NO) for _, one, answer in answers)
-    verdict, case = Verdict.UNEXPLAINED, "unexplained"
+    verdict, case = Agreement.UNEXPLAINED, "unexplained"
     ours: str = sentence("paper_words.answers", found=answers)
     if given == {claim}:
-        verdict, ours = Verdict.AGREES, claim
+        verdict, ours = Agreement.AGREES, claim
         case = "affects" if claim == YES else "agrees"
     elif (source, parameter) == (MOUNTING, "bias") and by_printed:
-        verdict, ours = Verdict.EXPLAINED, sentence("paper_words.as_printed")
+        verdict, ours = Agreement.EXPLAINED, sentence("paper_words.as_printed")
         case = "only eq. (4)"
     elif given == {YES} and not couplings.as_tested.cell(source, group).reaches:
-        verdict, ours = Verdict.EXPLAINED, sentence("paper_words.from_nominal")
+        verdict, ours = Agreement.EXPLAINED, sentence("paper_words.from_nominal")
         case = "as tested"
     printed, corrected = couplings.sensitivity
     largest = zip(AXES, np.abs(printed).max(axis=1), strict=True)

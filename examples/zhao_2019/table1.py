@@ -33,8 +33,8 @@ from zhao_2019.printed import (
     RUNS,
     U_MEAN,
     U_SINGLE,
+    Agreement,
     Finding,
-    Verdict,
     agrees_if,
     say_number,
 )
@@ -95,7 +95,9 @@ def reading_findings(
     findings = []
     for reading in readings:
         is_single = reading.runs == 1
-        verdict = Verdict.READING_FITS if reading.fits_row else Verdict.READING_FAILS
+        verdict = (
+            Agreement.READING_FITS if reading.fits_row else Agreement.READING_FAILS
+        )
         for parameter in filter(reading.is_random, PLACES):
             place, found = PLACES[parameter], reading.fit(parameter)
             # Where the reading has a mean, deviations from it are what is random.
@@ -154,18 +156,18 @@ def _random_entries(
     """Say which reading the entries of one parameter fit, together and one by one."""
     paper, place = conditions.paper, PLACES[parameter]
     single, mean = row.fit(parameter), row.of_mean.fit(parameter)
-    chosen, verdict, cause = row, Verdict.UNEXPLAINED, ""
+    chosen, verdict, cause = row, Agreement.UNEXPLAINED, ""
     if mean.fits and mean.p > single.p:
-        chosen, verdict = row.of_mean, Verdict.FITS_MEAN
+        chosen, verdict = row.of_mean, Agreement.FITS_MEAN
     elif single.fits:
-        verdict = Verdict.FITS_SINGLE
+        verdict = Agreement.FITS_SINGLE
     elif other is not None:
         p = other.fit(parameter).p
-        verdict = Verdict.READING
+        verdict = Agreement.READING
         parts = {"reading": other.full_name, "p": say_number(p, 2)}
         cause = sentence("paper_words.fits", **parts)
         if row.source == MOUNTING:  # see _mounting_findings
-            verdict = Verdict.EXPLAINED
+            verdict = Agreement.EXPLAINED
             cause = sentence("paper_words.proven", **parts)
     u, u_rms = chosen.u[place], chosen.fit(parameter).u_rms
     rms = root_mean_square(row.printed[place])
@@ -255,7 +257,7 @@ def _both_repeatabilities(conditions: Conditions, rows: dict[str, Reading]) -> F
         ours=float(1.0 / np.sqrt(RUNS)),
         against=rms,
         quantity=U_MEAN,
-        verdict=Verdict.FITS_MEAN if p_mean > p_single else Verdict.FITS_SINGLE,
+        verdict=Agreement.FITS_MEAN if p_mean > p_single else Agreement.FITS_SINGLE,
         p=(p_single, p_mean),
         single=single,
         mean=mean,
@@ -321,7 +323,7 @@ def _left_on(
         ours=1.0,
         against=rms,
         quantity=U_SINGLE,
-        verdict=Verdict.READING,
+        verdict=Agreement.READING,
         p=(of_single.p, mean.fit().p),
         single=of_single,
         stated=row.fit(),
@@ -438,7 +440,7 @@ def _mounting_findings(conditions: Conditions) -> tuple[Finding, ...]:
         "bias beyond its angles",
         ours=ours,
         against=rest,
-        verdict=Verdict.FITS_MEAN if is_mean else Verdict.UNEXPLAINED,
+        verdict=Agreement.FITS_MEAN if is_mean else Agreement.UNEXPLAINED,
         u=u,
         slack=slack,
     )

@@ -14,7 +14,7 @@ from document_text import on_terminal
 from zhao_2019 import study as computing
 from zhao_2019.figures import print_ratio
 from zhao_2019.page import paper_sections, print_probability, reason
-from zhao_2019.printed import Verdict
+from zhao_2019.printed import Agreement
 from zhao_2019.study import reproduce
 
 CONTRACT = {"where", "printed", "ours", "ratio", "verdict", "why"}
@@ -77,7 +77,7 @@ def test_json_keeps_the_contract(document):
     assert set(document["inputs"]) == {"device", "procedure"}
     for row in document["rows"]:
         assert row.keys() >= CONTRACT
-        assert row["verdict"] in set(Verdict)
+        assert row["verdict"] in set(Agreement)
 
 
 def test_json_holds_the_residual_in_full(document):

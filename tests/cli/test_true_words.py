@@ -15,7 +15,7 @@ import budget
 from budget.report.pages import lines
 from budget.report.stations import station_answer
 from budget.report.tables import print_contributions
-from budget.results import Caution
+from budget.results import Condition
 from budget.ties import foremost, smallest
 
 # Its attitude is lost within a minute; it uses little of a wide limit.
@@ -148,9 +148,9 @@ def test_cautions_are_cut_by_weight(write):
     text = told("analyze", device, "--requirement", need)
     assert text.index("check its unit") < text.index(NO_RANGE)
     found = budget.analyze(device, requirement=need, validate=False)
-    (standing,) = (one.standing for one in found.assessment.sensors)
+    (standing,) = found.assessment.sensors
     line = standing.cautions[0].line
-    bound = Caution(kind="other", line=line, text="a bound", bound=1.0, unit="m")
+    bound = Condition(kind="other", line=line, text="a bound", below=1.0, unit="m")
     behind = replace(standing, cautions=(*standing.cautions, bound))
     said = lines("standing", "cautions", standing=behind)
     assert said[0] == "a bound"

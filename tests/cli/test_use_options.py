@@ -236,7 +236,7 @@ def test_the_library_takes_what_the_command_line_takes(files):
     found = budget.compare(
         "zhao-2019", files["ten"], mission="bench", calibration="factory", method="gum"
     )
-    assert found.devices[0].standing.calibration == "as the maker calibrated it"
+    assert found.devices[0].calibration == "as the maker calibrated it"
 
 
 @pytest.mark.parametrize(

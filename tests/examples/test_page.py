@@ -17,7 +17,7 @@ from budget.report.typeset import typeset
 from budget.report.writing import capital
 from zhao_2019.figures import print_ratio
 from zhao_2019.page import paper_document, print_ours, printed_cell, reason
-from zhao_2019.printed import Verdict
+from zhao_2019.printed import Agreement
 from zhao_2019.study import reproduce
 
 DATE = "2026-01-31"
@@ -129,7 +129,7 @@ def test_printed_numbers_keep_their_digits(printed, text, exact, note):
 def test_cards_count_every_row_once(study, document):
     """Every verdict belongs to one card, and the counts add up to all rows."""
     counted = [word for words in study.paper.cards.values() for word in words]
-    assert sorted(counted) == sorted(Verdict)
+    assert sorted(counted) == sorted(Agreement)
     totals = [int(card.lines[0][0].text.split()[0]) for card in document.cards]
     assert sum(totals) == len(study.findings)
     assert document.headline.startswith(f"{len(study.findings)} ")
@@ -141,7 +141,7 @@ def test_what_nothing_explains_is_on_page_one(study, document):
     places = [
         row.where
         for row in study.findings
-        if row.verdict == Verdict.UNEXPLAINED and row.is_summary
+        if row.verdict == Agreement.UNEXPLAINED and row.is_summary
     ]
     (listing,) = section.blocks
     assert section.on_first_page

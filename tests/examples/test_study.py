@@ -25,8 +25,8 @@ from zhao_2019.orders import expectation_of
 from zhao_2019.printed import (
     FILE,
     RUNS,
+    Agreement,
     Conclusion,
-    Verdict,
     load_paper,
 )
 from zhao_2019.readings import LEVEL, readings
@@ -105,7 +105,7 @@ def test_bias_without_spread_agrees_to_six_digits(study, axis, printed):
     row = find(study, f"Table 1, scale factor repeatability, bias {axis}")
     # Doubles leave about 1e-6 of this residual, the paper's no less than ours.
     assert_allclose(row.ours, float(printed), rtol=5e-6)
-    assert row.verdict == Verdict.AGREES
+    assert row.verdict == Agreement.AGREES
 
 
 def test_printed_angle_rounding_is_whole_steps_of_doubles_below_one(conditions):
@@ -185,7 +185,7 @@ def test_zeros_of_table_1_are_printed_as_such_or_as_rounding(study):
         for row in study.of_section("table 1")
         if not row.is_summary and row.ours == 0.0
     ]
-    assert {row.verdict for row in zeros} == {Verdict.AGREES}
+    assert {row.verdict for row in zeros} == {Agreement.AGREES}
     rounded = [row for row in zeros if float(row.printed)]
     assert len(rounded) == 11
     for row in rounded:
@@ -197,16 +197,16 @@ def test_zeros_of_table_1_are_printed_as_such_or_as_rounding(study):
 @pytest.mark.parametrize(
     ("row", "parameter", "verdict"),
     [
-        ("bias repeatability", "bias, all 3", Verdict.FITS_MEAN),
-        ("scale factor repeatability", "scale factor, all 3", Verdict.FITS_MEAN),
-        ("mounting repeatability", "bias, all 3", Verdict.FITS_MEAN),
-        ("bias stability", "bias, all 3", Verdict.FITS_SINGLE),
-        ("bias stability", "scale factor, all 3", Verdict.READING),
-        ("bias stability", "mounting angle, all 6", Verdict.READING),
-        ("angle random walk", "scale factor, all 3", Verdict.READING),
-        ("angle random walk", "mounting angle, all 6", Verdict.READING),
-        ("angle random walk", "bias, all 3", Verdict.READING),
-        ("mounting repeatability", "mounting angle, all 6", Verdict.EXPLAINED),
+        ("bias repeatability", "bias, all 3", Agreement.FITS_MEAN),
+        ("scale factor repeatability", "scale factor, all 3", Agreement.FITS_MEAN),
+        ("mounting repeatability", "bias, all 3", Agreement.FITS_MEAN),
+        ("bias stability", "bias, all 3", Agreement.FITS_SINGLE),
+        ("bias stability", "scale factor, all 3", Agreement.READING),
+        ("bias stability", "mounting angle, all 6", Agreement.READING),
+        ("angle random walk", "scale factor, all 3", Agreement.READING),
+        ("angle random walk", "mounting angle, all 6", Agreement.READING),
+        ("angle random walk", "bias, all 3", Agreement.READING),
+        ("mounting repeatability", "mounting angle, all 6", Agreement.EXPLAINED),
     ],
 )
 def test_verdicts_of_table_1(study, row, parameter, verdict):
@@ -260,7 +260,7 @@ def test_noise_once_a_window_fits_both_white_noise_rows(study):
         for row in study.of_section("readings")
         if name in row.where and "single run" not in row.where
     ]
-    assert {row.verdict for row in found} == {Verdict.READING_FITS}
+    assert {row.verdict for row in found} == {Agreement.READING_FITS}
     assert {row.where.partition(",")[0] for row in found} == {"Table 1", "3.2"}
 
 
@@ -318,7 +318,7 @@ def test_what_a_reading_is_worth_is_said_beside_it(conditions, rows, study):
         study,
         "Table 1, bias stability, one run with the random walk left on",
     )
-    assert row.verdict == Verdict.READING
+    assert row.verdict == Agreement.READING
     assert_allclose(row.p_single, 0.676, rtol=2e-3)
     assert row.p_mean < 1e-30
     for said in ("64 readings", "0 of 240 wrong choices", "147, 264, 472 times less"):
@@ -339,14 +339,14 @@ def test_orders_of_3_1_in_their_units(study, where, printed, ours):
     row = find(study, f"3.1, gyro, {where}")
     assert row.printed == printed
     assert_allclose(row.ours, ours, rtol=5e-6)
-    assert row.verdict in {Verdict.AGREES, Verdict.AGREES_IN_ORDER}
+    assert row.verdict in {Agreement.AGREES, Agreement.AGREES_IN_ORDER}
 
 
 def test_orders_of_the_text_agree_but_for_these(study):
     """Both white noises, the angles under stability, and a bound; figure 3 alone."""
     white = ("3.1, gyro, angle random walk", "3.2, accelerometer, noise 50 ug")
     for row in study.of_section("text"):
-        agrees = row.verdict in {Verdict.AGREES, Verdict.AGREES_IN_ORDER}
+        agrees = row.verdict in {Agreement.AGREES, Agreement.AGREES_IN_ORDER}
         differs = row.where.startswith(white) or row.where in {
             "3.1, gyro, bias stability, mounting angle",
             "3.1, gyro, bias stability, scale factor as a bound",
@@ -360,17 +360,17 @@ def test_orders_of_the_text_agree_but_for_these(study):
         if row.where.endswith("order")
     }
     assert orders == {
-        "figure 1, bias, order": Verdict.AGREES_IN_ORDER,
-        "figure 2, mounting angle, order": Verdict.AGREES,
-        "figure 3, mounting angle, order": Verdict.UNEXPLAINED,
-        "figure 4, bias, order": Verdict.AGREES_IN_ORDER,
+        "figure 1, bias, order": Agreement.AGREES_IN_ORDER,
+        "figure 2, mounting angle, order": Agreement.AGREES,
+        "figure 3, mounting angle, order": Agreement.UNEXPLAINED,
+        "figure 4, bias, order": Agreement.AGREES_IN_ORDER,
     }
 
 
 def test_text_and_table_differ_on_the_bound(study):
     """'within 0.1e-6' stands beside an entry of 9.1776e-7."""
     row = find(study, "3.1, gyro, bias stability, scale factor as a bound")
-    assert (row.printed, row.verdict) == ("within 0.1e-6", Verdict.EXPLAINED)
+    assert (row.printed, row.verdict) == ("within 0.1e-6", Agreement.EXPLAINED)
     assert_allclose(row.ratio, 9.1776, rtol=1e-12)
 
 
@@ -388,7 +388,7 @@ def test_mounting_row_shows_the_order_of_its_angles(conditions):
 def test_mounting_row_is_a_mean_and_no_single_run(conditions, study):
     """What the mean angles leave of the bias of z is a mean of products."""
     where = "Table 1, mounting repeatability, bias z beyond its mean angles"
-    assert find(study, where).verdict == Verdict.FITS_MEAN
+    assert find(study, where).verdict == Agreement.FITS_MEAN
     found = biases_from_angles(conditions)
     printed = conditions.paper.table_1["mounting_repeatability"].bias
     rest = float(printed[2]) - (found.bias[2] - found.products[2])
@@ -536,13 +536,13 @@ def test_conclusions_agree_but_for_two(study):
     differing = {
         row.where: row.verdict
         for row in study.of_section("conclusions")
-        if row.verdict != Verdict.AGREES
+        if row.verdict != Agreement.AGREES
     }
     assert differing == {
         "section 2.1.2: gyro scale factor nonlinearity on scale factor": (
-            Verdict.EXPLAINED
+            Agreement.EXPLAINED
         ),
-        "section 2.1.3, 4: gyro mounting repeatability on bias": Verdict.EXPLAINED,
+        "section 2.1.3, 4: gyro mounting repeatability on bias": Agreement.EXPLAINED,
     }
 
 
@@ -562,7 +562,7 @@ def test_a_wrong_conclusion_is_not_borne_out(conditions, source, parameter, clai
     (row,) = conclusion_findings(
         compute_couplings(conditions), replace(conditions, paper=paper)
     )
-    assert row.verdict == Verdict.UNEXPLAINED
+    assert row.verdict == Agreement.UNEXPLAINED
     assert row.printed == claim
     assert row.ours.count("affects" if claim == "no effect" else "no effect") == 4
 

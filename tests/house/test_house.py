@@ -18,7 +18,7 @@ from sources import nodes_of
 # rooms on one floor do not know each other.
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "ties", "journal", "views"),
-    ("units", "language", "resources", "documents"),
+    ("units", "language", "resources", "documents", "known"),
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),

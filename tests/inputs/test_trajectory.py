@@ -85,11 +85,11 @@ def test_the_recording_of_a_flight_is_the_flight(read, is_stored):
     """A route of segments, written as a file, is read as what it was."""
     text, rows = recorded(FLIGHT)
     found = read(FILE.read_bytes() if is_stored else text)
-    assert_allclose(found.time, rows[:, 0], rtol=1e-15)
-    assert_allclose(found.latitude, rows[:, 1], rtol=0, atol=1e-12)
-    assert_allclose(found.longitude, rows[:, 2], rtol=0, atol=1e-12)
-    assert_allclose(found.height, rows[:, 3], rtol=0, atol=1e-4)
-    assert_allclose(found.attitude, rows[:, 4:], rtol=0, atol=1e-8)
+    assert_allclose(found.track.time, rows[:, 0], rtol=1e-15)
+    assert_allclose(found.track.latitude, rows[:, 1], rtol=0, atol=1e-12)
+    assert_allclose(found.track.longitude, rows[:, 2], rtol=0, atol=1e-12)
+    assert_allclose(found.track.height, rows[:, 3], rtol=0, atol=1e-4)
+    assert_allclose(found.track.attitude, rows[:, 4:], rtol=0, atol=1e-8)
     assert_allclose(found.first_speed, 70.0, rtol=1e-4)
     assert found.assumptions == ()
 
@@ -100,9 +100,9 @@ def test_without_a_heading_it_is_that_of_the_track(read):
     text, _ = recorded(FLIGHT, angles=False)
     found = read(text)
     # Of a chord in a turn of 0.05 rad a row, and of half a row where it begins.
-    assert_allclose(found.attitude[:, 2], rows[:, 6], rtol=0, atol=0.03)
-    assert_allclose(found.attitude[25:75, 2], rows[25:75, 6], rtol=0, atol=1e-5)
-    assert not found.attitude[:, :2].any()
+    assert_allclose(found.track.attitude[:, 2], rows[:, 6], rtol=0, atol=0.03)
+    assert_allclose(found.track.attitude[25:75, 2], rows[25:75, 6], rtol=0, atol=1e-5)
+    assert not found.track.attitude[:, :2].any()
     said = " ".join(found.assumptions)
     for key in ("roll", "pitch", "heading"):
         assert f"trajectory.{key}: not given" in said
@@ -117,8 +117,9 @@ def test_longitudes_and_headings_do_not_jump(read, sense):
         for n in range(5)
     ]
     found = read(rows, HEADER + ",heading [deg]")
-    assert_allclose(np.diff(found.longitude), radians(sense * 0.001), rtol=1e-9)
-    assert_allclose(np.diff(found.attitude[:, 2]), radians(sense * 2.0), rtol=1e-9)
+    assert_allclose(np.diff(found.track.longitude), radians(sense * 0.001), rtol=1e-9)
+    heading = found.track.attitude[:, 2]
+    assert_allclose(np.diff(heading), radians(sense * 2.0), rtol=1e-9)
 
 
 def test_columns_stand_in_any_order_and_unit(read):
@@ -126,11 +127,11 @@ def test_columns_stand_in_any_order_and_unit(read):
     rows = [f"{0.1 * n},{n + 7},45.{n},{30 * n}" for n in range(5)]
     header = "height [km], time [min] ,latitude [deg],longitude [arcmin]"
     found = read(rows, header)
-    assert_allclose(found.time, 60.0 * np.arange(5.0), rtol=1e-15)
-    assert_allclose(found.height, 100.0 * np.arange(5.0), rtol=1e-15)
-    assert_allclose(found.longitude, radians(0.5) * np.arange(5.0), rtol=1e-15)
+    assert_allclose(found.track.time, 60.0 * np.arange(5.0), rtol=1e-15)
+    assert_allclose(found.track.height, 100.0 * np.arange(5.0), rtol=1e-15)
+    assert_allclose(found.track.longitude, radians(0.5) * np.arange(5.0), rtol=1e-15)
     marked = "\ufeff" + "\r\n".join([header, *rows, "", ""])
-    assert_allclose(read(marked).height, found.height, rtol=0)
+    assert_allclose(read(marked).track.height, found.track.height, rtol=0)
 
 
 @pytest.mark.parametrize(
@@ -277,7 +278,7 @@ def test_a_heading_aside_has_a_hint(read, north, east, heading, hint):
     found = read(_headed(north, east, heading), HEADER + ",heading [deg]")
     (said,) = (text for text in found.assumptions if "differs from" in text)
     assert said.endswith(hint or "units of the columns")
-    assert_allclose(found.attitude[:, 2], radians(heading), rtol=1e-12)
+    assert_allclose(found.track.attitude[:, 2], radians(heading), rtol=1e-12)
 
 
 def test_a_track_that_stands_has_no_heading(read, refused):
@@ -288,7 +289,7 @@ def test_a_track_that_stands_has_no_heading(read, refused):
     assert "in rows 7 to 9 of the file" in text
     assert "a column 'heading [deg]'" in text
     found = read([f"{row},30" for row in rows], HEADER + ",heading [deg]")
-    assert_allclose(found.attitude[:, 2], radians(30.0), rtol=1e-15)
+    assert_allclose(found.track.attitude[:, 2], radians(30.0), rtol=1e-15)
 
 
 def _rows(times):

@@ -45,7 +45,7 @@ FORKED = {
     "distributed.worker.profile.enabled": False,
     "distributed.worker.multiprocessing-method": "forkserver",
 }
-IMPORTED = ("distributed.nanny", "distributed.worker", "SALib.analyze.sobol")
+IMPORTED = ("distributed.nanny", "distributed.worker", "scipy.stats")
 IMPORTED += tuple(f"budget.{name}" for name in ("calibration.problem", "methods.sobol"))
 
 

@@ -46,7 +46,7 @@ def test_trials_need_not_be_sorted(n, coverage, kind):
         np.where(np.arange(n) % 12 == 0, rng.random(n), -5.0),
     ):
         expected = interval_of_values(np.sort(trials)[None], coverage, kind)[0]
-        assert_array_equal(interval_of_trials(trials, coverage, kind), expected)
+        assert_array_equal(interval_of_trials([trials], coverage, kind), expected)
 
 
 @pytest.mark.parametrize("depth", [1, 30, 1_000, 6_172, 20_000])

@@ -157,7 +157,7 @@ def test_at_worst_is_that_of_a_device_with_the_ceilings():
     refused = gyro_of(compared(LACKS_ONE, missing="refuse"), LACKS_ONE.name)
     full = gyro_of(compared(whole, missing="refuse"), LACKS_ONE.name)
     assert_allclose(full.utilisation, refused.at_worst, rtol=1e-3)
-    assert not full.lower_bound
+    assert not full.utilisation.is_bound
 
 
 def test_predictions_decide_what_is_undecidable(by_mode):

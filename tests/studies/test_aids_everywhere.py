@@ -171,7 +171,7 @@ def test_a_mission_that_is_aided_to_its_end_says_so_beside_its_verdict():
     need = load_requirement({"name": "n", "limits": {"mission": {"position": [at]}}})
     budget = on_mission(mission=route, requirement=need, carried_to=(60.0,))
     (sensor,) = budget.assessment.sensors
-    assert [one.kind for one in sensor.standing.cautions].count("aided") == 1
+    assert [one.kind for one in sensor.cautions].count("aided") == 1
 
 
 @pytest.mark.parametrize(("mission", "at"), [("g4", "660 s"), ("g1", "600 s")])
@@ -195,7 +195,7 @@ def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, 
         method="gum",
     )
     (row,) = found.on_mission if hasattr(found, "on_mission") else found.devices
-    for standing in (sensor.standing, row.standing):
+    for standing in (sensor, row):
         (text,) = (str(one.text) for one in standing.cautions if one.kind == kind)
         assert words in text
     assert not any(words in text for text in budget.warnings)

@@ -96,7 +96,7 @@ def budget_of(coefficient="0.5 deg/h/degC", *, aided=False, **more):
 def standing(coefficient, limit="35 km"):
     """Return how a unit stands."""
     (own,) = budget_of(coefficient, requirement=limited(limit)).assessment.sensors
-    return own.standing
+    return own
 
 
 def test_a_course_is_a_temperature_that_is_stated():

@@ -209,7 +209,7 @@ class TestOfOneNumber:
         assert found.verdict == ("undecided" if low <= 1.0 < high else verdict)
         assert (found.utilisation <= 1.0) == (found.conformance.value >= P)
         if found.verdict != "fails":
-            assert_allclose(found.standing.at_ceilings, found.utilisation, rtol=1e-12)
+            assert_allclose(found.at_ceilings, found.utilisation, rtol=1e-12)
 
     def test_a_unit_that_meets_has_room(self, length):
         """At 99 % of the limit some degrees; by Bonferroni there are none."""
@@ -217,7 +217,7 @@ class TestOfOneNumber:
             found = judged(length / 0.99, decision=decision, environment=None)
             bounds = [
                 one.below
-                for one in found.standing.conditions
+                for one in found.conditions
                 if one.kind == "temperature" and one.below is not None
             ]
             assert (found.verdict == "meets_if" and bounds[0] > 0.0) == has_room
@@ -228,7 +228,7 @@ class TestOfOneNumber:
         for decision in ("joint", "each"):
             left = judged(2.0 * length, decision=decision, without="bias_repeatability")
             assert left.verdict == "undecidable"
-            (ask,) = left.standing.asks
+            (ask,) = left.asks
             size = f"{ask.below / ask.si_per_unit!r} {ask.unit}"
             back = judged(2.0 * length, bias_repeatability=size)
             off[decision] = abs(back.conformance.value - P)
@@ -242,7 +242,7 @@ class TestOfOneNumber:
         found = judged(2.0 * length, environment=None)
         (bound, *_) = (
             one.below / one.si_per_unit
-            for one in found.standing.conditions
+            for one in found.conditions
             if one.kind == "temperature" and one.below is not None
         )
         back = judged(2.0 * length, environment=f"temperature {bound!r} degC")
@@ -290,6 +290,6 @@ def test_the_fast_screen_is_of_the_same_number():
 def test_an_allocation_keeps_limits_together():
     """At its limits it is not said to fail; by a factor of each alone it was."""
     found = allocate("zhao-2019", requirement=TOGETHER)
-    ((owner, standing),) = found.standings
-    assert owner == "gyro"
+    (standing,) = found.standings
+    assert standing.sensor == "gyro"
     assert standing.verdict in {"meets", "undecided"}

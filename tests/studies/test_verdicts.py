@@ -90,7 +90,7 @@ def asked_size(line: str, **how: Any) -> float:
     """Return from which size on a line fails that is asked for, and nothing else."""
     hidden = judged_of(SHEET, **how)
     assert hidden.verdict == "undecidable"
-    (asked,) = hidden.standing.asks
+    (asked,) = hidden.asks
     assert asked.line == line
     return asked.below / asked.si_per_unit
 
@@ -117,13 +117,13 @@ class TestEnvironment:
         assert sensor.verdict == "meets_if"
         (bound,) = [
             one.below
-            for one in sensor.standing.conditions
+            for one in sensor.conditions
             if one.kind == "temperature" and one.below is not None
         ]
-        assert f"{floor(10.0 * bound) / 10.0:g} degC" in texts_of(sensor.standing)
+        assert f"{floor(10.0 * bound) / 10.0:g} degC" in texts_of(sensor)
         at_bound, _ = standing_of(hot, f"temperature {bound!r} degC, vibration 0 g")
         # What the sheet does not say of temperature is at its ceilings in both.
-        assert_allclose(at_bound.standing.at_ceilings, 1.0, rtol=1e-6)
+        assert_allclose(at_bound.at_ceilings, 1.0, rtol=1e-6)
 
     def test_a_temperature_of_20_degC_fails(self):
         """54 deg/h/degC x 20 degC make 1.8 km in 60 s: sigma = w g t^3/6 on a line."""
@@ -150,7 +150,7 @@ class TestEnvironment:
         assert sensor.verdict == "meets_if"
         (bound,) = [
             one.below
-            for one in sensor.standing.conditions
+            for one in sensor.conditions
             if one.kind == "vibration" and one.below is not None
         ]
         needed = f"temperature 0 degC, vibration {bound / G!r} g"
@@ -164,9 +164,9 @@ class TestEnvironment:
         """`environment: none` exercises neither, which is said as a caution, too."""
         sensor, _ = standing_of(sheet, "none")
         assert sensor.verdict == "meets"
-        assert "in the environment of the calibration" in sensor.standing.after
-        assert "as the maker calibrated it" in sensor.standing.after
-        assert "not exercised" in texts_of(sensor.standing)
+        assert "in the environment of the calibration" in sensor.after
+        assert "as the maker calibrated it" in sensor.after
+        assert "not exercised" in texts_of(sensor)
 
     def test_a_sheet_that_hides_is_not_better_off(self):
         """Without the coefficient the verdict is the same, in every environment."""
@@ -214,7 +214,7 @@ class TestWhatNoSensorIs:
         sensor, _ = standing_of(lost, "none", limits={"mission": far})
         assert sensor.verdict == "undecided"
         assert sensor.utilisation < 1.0
-        assert "5.7 deg" in texts_of(sensor.standing)
+        assert "5.7 deg" in texts_of(sensor)
         sensor, _ = standing_of(SHEET, "none", limits={"mission": far})
         assert sensor.verdict == "meets"
 
@@ -229,13 +229,13 @@ class TestWhatNoSensorIs:
         """A process that vanishes, and a figure that nobody reaches."""
         sheet = sheet_with({"gyro.bias_stability": value})
         sensor, _ = standing_of(sheet, "none")
-        assert said in texts_of(sensor.standing)
+        assert said in texts_of(sensor)
         is_noise = said == "acts as noise"
         assert sensor.verdict == ("undecided" if is_noise else "meets")
-        cautions = sensor.standing.cautions
+        cautions = sensor.cautions
         assert len(cautions) == len(set(cautions))
         sensor, _ = standing_of(SHEET, "none")
-        assert said not in texts_of(sensor.standing)
+        assert said not in texts_of(sensor)
 
     def test_what_no_sensor_reaches_is_no_condition(self):
         """A scale factor that may be wrong by all of it asks for nothing."""
@@ -244,7 +244,7 @@ class TestWhatNoSensorIs:
         )
         assert all(
             one.below is None or one.unit != "ppm" or one.below < 1.0
-            for one in sensor.standing.conditions
+            for one in sensor.conditions
         )
 
 
@@ -265,7 +265,7 @@ class TestAge:
         assert sensor.verdict == "meets_if"
         (bound,) = [
             one.below
-            for one in sensor.standing.conditions
+            for one in sensor.conditions
             if one.kind == "age" and one.below is not None
         ]
         found = budget.analyze(
@@ -286,7 +286,7 @@ class TestAge:
         )
         sensor, _ = standing_of(sheet)
         assert sensor.verdict == "meets_if"
-        assert "within 10 s of a calibration" in texts_of(sensor.standing)
+        assert "within 10 s of a calibration" in texts_of(sensor)
 
     def test_a_horizon_shorter_than_the_age_is_named(self):
         """And the ageing that is not given decides."""
@@ -302,7 +302,7 @@ class TestAge:
         )
         (sensor,) = found.assessment.sensors
         assert sensor.verdict == "undecidable"
-        assert "is of 10 s, and the use is 1 year after" in texts_of(sensor.standing)
+        assert "is of 10 s, and the use is 1 year after" in texts_of(sensor)
 
 
 TURNING = {
@@ -341,9 +341,7 @@ class TestRange:
         ranged = self.FOG | {"range": {"gyro": "30 deg/s", "accelerometer": "10 g"}}
         sensor = on_the_turn(ranged)
         assert sensor.verdict == "fails"
-        (caution,) = [
-            one for one in sensor.standing.cautions if one.kind == "saturates"
-        ]
+        (caution,) = [one for one in sensor.cautions if one.kind == "saturates"]
         assert "segment 2 (turn 360 deg)" in caution.text
 
     def test_a_mission_within_the_range_meets(self):
@@ -354,7 +352,7 @@ class TestRange:
     def test_what_range_is_needed_is_said_where_none_is_given(self):
         """As a caution; as a condition where a device that is sold reads less."""
         sensor = on_the_turn(self.FOG)
-        needs = [one.text for one in sensor.standing.cautions if one.kind == "range"]
+        needs = [one.text for one in sensor.cautions if one.kind == "range"]
         assert any("±36 deg/s" in text for text in needs)
         fast = deepcopy(TURNING)
         fast["mission"]["segments"][1]["rate"] = "3600 deg/s"
@@ -408,7 +406,7 @@ class TestMissing:
         name = "accelerometer.bias_repeatability"
         sheet = sheet_with({}, without=(name,))
         sensor, _ = standing_of(sheet, "none")
-        (bound,) = [one for one in sensor.standing.conditions if one.line == name]
+        (bound,) = [one for one in sensor.conditions if one.line == name]
         assert sensor.verdict in {"meets_if", "undecidable"}
         size = bound.below / (1e-6 * G)
         there, _ = standing_of(sheet_with({name: f"{size!r} ug"}), "none")
@@ -425,7 +423,7 @@ class TestMissing:
         narrow["limits"]["mission"]["position"]["horizontal"] = "25 m"
         sensor, _ = standing_of(sheet, "none", **narrow)
         assert sensor.verdict == "undecidable"
-        assert sensor.standing.asks[0].line == name
+        assert sensor.asks[0].line == name
 
     def test_what_fails_on_what_is_given_fails(self):
         """No line that is missing mends it."""
@@ -438,7 +436,7 @@ class TestMissing:
         """And not on one that stands, nor of another technology."""
         for technology, expected in (("MEMS", True), ("FOG", False)):
             sensor = on_the_turn(SHEET | {"technology": technology})
-            lines = {one.line for one in sensor.standing.conditions}
+            lines = {one.line for one in sensor.conditions}
             assert ("gyro.g_sensitivity" in lines) is expected
 
 
@@ -673,7 +671,7 @@ def test_nine_sheets_made_to_mislead(name):
     assert sensor.verdict == verdict
     if verdict != "fails":
         assert sensor.utilisation < 1.0
-        assert sensor.standing.conditions
+        assert sensor.conditions
 
 
 @pytest.mark.parametrize("how", [{"method": "gum"}, {}, {"missing": "predict"}])
@@ -773,9 +771,11 @@ def test_verdicts_on_a_calibration_agree_word_for_word(sheets, turn, tmp_path):
         found = budget.analyze(sheet, requirement=need, validate=False)
         for sensor in found.assessment.sensors:
             row = rows[sheet["name"], sensor.sensor]
-            assert told(row.standing) == told(sensor.standing)
+            assert told(row) == told(sensor)
             assert_allclose(row.utilisation, sensor.utilisation, rtol=1e-9)
-        stations = dict(budget.qualify(sheet, requirement=need).standings)
+        stations = {
+            one.sensor: one for one in budget.qualify(sheet, requirement=need).standings
+        }
         for sensor in found.assessment.sensors:
             assert told(stations[sensor.sensor])[0] == sensor.verdict
         if place % 10 == 0:
@@ -783,7 +783,7 @@ def test_verdicts_on_a_calibration_agree_word_for_word(sheets, turn, tmp_path):
             budget.report(found, path)
             page = " ".join(path.read_text("utf-8").split())
             for sensor in found.assessment.sensors:
-                for text in told(sensor.standing)[1]:
+                for text in told(sensor)[1]:
                     assert escape(text) in page or "more" in page
         if found.assessment.verdict not in {"meets", "meets_if"}:
             continue
@@ -797,8 +797,10 @@ def test_verdicts_on_a_calibration_agree_word_for_word(sheets, turn, tmp_path):
             requirement=need,
             bounds=Bounds(held=frozenset(lines), most={}, least={}),
         )
-        for owner, standing in kept.standings:
-            (sensor,) = [one for one in found.assessment.sensors if one.sensor == owner]
+        for standing in kept.standings:
+            (sensor,) = [
+                one for one in found.assessment.sensors if one.sensor == standing.sensor
+            ]
             assert standing.verdict == sensor.verdict
 
 
@@ -811,8 +813,8 @@ def test_verdicts_on_a_mission_agree_word_for_word(sheets):
         found = budget.analyze(sheet, mission=OUTAGE, requirement=NEED, validate=False)
         (sensor,) = found.assessment.sensors
         row = rows[sheet["name"]]
-        assert told(row.standing) == told(sensor.standing)
-        assert row.standing.after == sensor.standing.after
+        assert told(row) == told(sensor)
+        assert row.after == sensor.after
         document = found.to_dict()["assessment"]["sensors"][0]
         assert document["verdict"] == row.to_dict()["verdict"]
         assert document["conditions"] == row.to_dict()["conditions"]
@@ -839,9 +841,7 @@ class TestHidden:
             procedure=budget.uncalibrated("factory"),
             validate=False,
         )
-        assert "1 year after the calibration" in str(
-            found.assessment.sensors[0].standing.use
-        )
+        assert "1 year after the calibration" in str(found.assessment.sensors[0].use)
 
     def test_the_environment_of_the_test_asks_for_its_coefficients(self):
         """A test at a random temperature: from the named size on it fails."""
@@ -905,7 +905,7 @@ class TestHidden:
         sensor, _ = standing_of(
             sheet_with({line: {"axes": axes}}), "temperature 20 degC, vibration 3 g"
         )
-        assert line in {one.line for one in sensor.standing.asks}
+        assert line in {one.line for one in sensor.asks}
 
     def test_a_hidden_technology_is_no_better_by_a_test(self):
         """A gyro that may be MEMS is asked for it by a calibration, too."""
@@ -927,7 +927,7 @@ class TestHidden:
         """A gyro of no technology may be MEMS, whose g-sensitivity is expected."""
         untold = {key: value for key, value in SHEET.items() if key != "technology"}
         sensor = on_the_turn(untold)
-        assert "gyro.g_sensitivity" in {one.line for one in sensor.standing.conditions}
+        assert "gyro.g_sensitivity" in {one.line for one in sensor.conditions}
 
     def test_bounds_of_several_uses_are_kept_together(self):
         """At 0.99 of the temperature and of the vibration that are named it meets."""
@@ -940,7 +940,7 @@ class TestHidden:
         sensor, _ = standing_of(both)
         bounds = {
             one.kind: one.below / one.si_per_unit
-            for one in sensor.standing.conditions
+            for one in sensor.conditions
             if one.below is not None
         }
         at_bounds, _ = standing_of(
@@ -1031,7 +1031,7 @@ def test_a_residual_over_temperature_says_nothing_of_one_that_changes(said):
         route = {"name": "m", "age": "0 s", "environment": use, "mission": mission}
         found = compare([unit], need, mission=load_mission(route), method="gum")
         (row,) = (one for one in found.devices if one.sensor == "mission")
-        return row.standing
+        return row
 
     moving, still = verdict("0 degC"), verdict("-20 degC")
     asked = [one.line for one in moving.conditions if one.decides]

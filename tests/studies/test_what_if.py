@@ -209,7 +209,7 @@ def test_verdicts_are_those_of_the_assessment(factor, missing):
 
     (ours,), (theirs,) = outlook.sensors, assessed.sensors
     assert (ours.sensor, ours.verdict) == (theirs.sensor, theirs.verdict)
-    assert ours.worst_output == theirs.worst_output
+    assert ours.worst_outputs[0] == theirs.worst_output
     assert_allclose(ours.utilisation, theirs.utilisation, rtol=RTOL)
     assert ours.verdict == (
         "fails" if factor > 1.0 else "undecidable" if missing else "meets"
@@ -417,7 +417,7 @@ def test_limits_on_a_mission_follow_the_sources(changes, verdict):
     for one in truth.sensors:
         assert ours[one.sensor].verdict == one.verdict
     assert ours[MISSION].verdict == verdict
-    assert ours[MISSION].worst_output == truth.sensors[1].worst_output
+    assert ours[MISSION].worst_outputs[0] == truth.sensors[1].worst_output
     judged = {row.output.name: row for row in truth.outputs}
     own = [k for k, one in enumerate(model.outputs) if one.name.owner == MISSION]
     assert {model.outputs[k].name for k in own} == {
@@ -454,7 +454,7 @@ def test_trials_of_a_mission_keep_their_ratio_to_the_law():
     )
     device = replace(device, accelerometer=replace(device.accelerometer, lines=lines))
     budget = on_outage(device)
-    (row,) = (one for one in budget.assessment.outputs if one.by_monte_carlo)
+    (row,) = (one for one in budget.assessment.outputs if one.by_trials)
     model, law = what_if(budget.question, budget=budget), what_if(budget.question)
     k = [one.name for one in model.outputs].index(row.output.name)
     changes = {"gyro.bias_repeatability": 7.0}
@@ -586,7 +586,7 @@ def test_at_the_ceilings_it_uses_what_the_verdict_says():
     )
     assert model.added[0].any()
     # The rest is the mean, of second order.
-    assert_allclose(used.max(), sensor.standing.at_ceilings, rtol=1e-3)
+    assert_allclose(used.max(), sensor.at_ceilings, rtol=1e-3)
 
 
 def test_limits_together_are_not_said_to_be_kept():

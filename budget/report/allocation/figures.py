@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from budget.report.figures.rows import ChartMark
-    from budget.studies.allocation.records import LimitedOutput, SourceAllotment
+    from budget.studies.allocation.records import SharedLimit, SourceAllotment
 
 PAGE = "figures_allocation"
 PITCH = 17.0  # from row to row [pt]
@@ -26,7 +26,7 @@ THIN, BELOW = 3.4, 6.8  # height of a bar of what is now, and how far down it is
 SHOWN = 1e-3  # part of the squared limit from which a source has a row [1]
 
 
-def waterfall_chart(row: LimitedOutput) -> Chart:
+def waterfall_chart(row: SharedLimit) -> Chart:
     """Show one limit from the whole down through the sources to what is left.
 
     The thick bars are what is allowed (of an impossible limit, what is held), the thin

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from budget.names import Name
     from budget.report.blocks import Document, Picture, Section
-    from budget.studies.allocation.records import Allocation, LimitedOutput, LimitPart
+    from budget.studies.allocation.records import Allocation, LimitPart, SharedLimit
 
 COMMAND = "budget allocate"
 CLOSEST = 5  # catalogue entries a sensor that are listed where none meets
@@ -97,7 +97,7 @@ def allocation_document(
     )
 
 
-def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
+def figured(allocation: Allocation) -> tuple[SharedLimit, ...]:
     """Return the outputs that get a waterfall: of each parameter the tightest one.
 
     Those whose limits cannot be met, and those at their limits.
@@ -105,7 +105,7 @@ def figured(allocation: Allocation) -> tuple[LimitedOutput, ...]:
     return tightest((*allocation.impossible, *allocation.binding))
 
 
-def _limits(allocation: Allocation, sensor: str) -> tuple[LimitedOutput, ...]:
+def _limits(allocation: Allocation, sensor: str) -> tuple[SharedLimit, ...]:
     """Return the outputs whose limits are taken apart: those that have a waterfall.
 
     Of parameters without one the tightest.
@@ -130,14 +130,14 @@ def _headrooms(allocation: Allocation) -> Iterator[Picture]:
 
 
 def _alike(
-    outputs: Sequence[LimitedOutput], by: Callable[[LimitedOutput], Hashable]
-) -> Iterator[list[LimitedOutput]]:
+    outputs: Sequence[SharedLimit], by: Callable[[SharedLimit], Hashable]
+) -> Iterator[list[SharedLimit]]:
     """Yield outputs that have something in common, in order of the first."""
     for common in dict.fromkeys(map(by, outputs)):
         yield [row for row in outputs if by(row) == common]
 
 
-def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
+def tightest(outputs: Sequence[SharedLimit]) -> tuple[SharedLimit, ...]:
     """Return the output of each parameter group that is nearest to its limit."""
     return tuple(
         rows[
@@ -150,8 +150,8 @@ def tightest(outputs: Sequence[LimitedOutput]) -> tuple[LimitedOutput, ...]:
 
 
 def relaxations(
-    outputs: Sequence[LimitedOutput],
-) -> Iterator[tuple[list[Name], LimitedOutput, list[LimitPart]]]:
+    outputs: Sequence[SharedLimit],
+) -> Iterator[tuple[list[Name], SharedLimit, list[LimitPart]]]:
     """Yield outputs with one limit that cannot be met, the one that needs most of it.
 
     With what takes most of that one.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from budget.known import Known
 from budget.names import AXES
 from budget.report.analysis.verdict import (
     headline,
@@ -24,7 +25,6 @@ from budget.report.pages import blocks, line, sections
 from budget.report.standing import mode_sentence, not_given_lines
 from budget.report.tables import (
     DASH,
-    bound_number,
     group_tables,
     round_error,
     round_u,
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
         Assessment,
         Budget,
         Compensation,
-        OutputAssessment,
+        JudgedOutput,
         OutputBudget,
     )
 
@@ -111,7 +111,7 @@ class WorstOutput:
 
     output: OutputBudget
     number: OutputRow
-    limited: OutputAssessment | None
+    limited: JudgedOutput | None
 
 
 def _worst(assessment: Assessment | None, group: GroupTable) -> WorstOutput:
@@ -179,10 +179,9 @@ def _rounded(found: Compensation) -> list[list[list[Number]]]:
     for output, x, u in zip(
         found.outputs, found.value, found.standard_uncertainty, strict=True
     ):
-        is_bias = output.name.quantity != "T"
-        bound = found.bias_lower_bound if is_bias else found.lower_bound
+        lacks = found.lacks if output.name.quantity == "T" else found.bias_lacks
         values.append(round_error(float(x), float(u), output))
-        us.append(bound_number(round_u(float(u), output), lower_bound=bound))
+        us.append(round_u(Known.of(float(u), lacks), output))
     places = range(0, len(values), len(AXES))
     return [[one[k : k + len(AXES)] for k in places] for one in (values, us)]
 

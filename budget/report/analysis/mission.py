@@ -90,14 +90,14 @@ def mission_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
 def _deciding(assessment: Assessment | None) -> Iterator[Block]:
     """Yield what the verdict depends on."""
     for sensor in assessment.sensors if assessment else ():
-        for said in deciding_lines(sensor.standing):
+        for said in deciding_lines(sensor):
             yield Paragraph(words=(Run(text=f"{capital(said)}.", strong=True),))
 
 
 def _conditions(assessment: Assessment) -> Iterator[Block]:
     """Yield what the verdict stands on."""
     for sensor in assessment.sensors:
-        yield from standing_blocks(sensor.standing)
+        yield from standing_blocks(sensor)
 
 
 def mission_section(budget: Budget, figures: Sequence[Picture] = ()) -> Section:

@@ -7,6 +7,7 @@ from math import fsum, sqrt
 from typing import TYPE_CHECKING
 
 from budget.inputs.use import LINES
+from budget.known import Known
 from budget.model.sources import SENSORS, source_of
 from budget.question import SHARED, given_lines
 from budget.report.pages import sections
@@ -14,7 +15,6 @@ from budget.report.tables import (
     NO_SHARE,
     SMALL_SHARE,
     Number,
-    bound_number,
     print_contributions,
     print_utilisation,
     source_title,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Section
     from budget.report.tables import GroupTable
-    from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
     from budget.studies.cautions import Unfelt
 
 LEAST_SAID = 0.001  # share of a variance that is printed as a number [1]
@@ -151,7 +151,7 @@ class Judged:
     """A required output, and what it is made of."""
 
     row: OutputBudget
-    limit: OutputAssessment
+    limit: JudgedOutput
 
     def used_by(self, owners: Sequence[str]) -> Number:
         """Return U by the sources of those owners alone, over the limit."""
@@ -164,10 +164,8 @@ class Judged:
         )
         u = sqrt(variance)
         used = k * u / self.limit.limit if u > self.row.output.resolution else 0.0
-        return bound_number(
-            Number(text=print_utilisation(used) if used else "0 %", exact=used),
-            lower_bound=self.row.lower_bound and owners == SENSORS,
-        )
+        known = Known.of(used, self.row.lacks if owners == SENSORS else ())
+        return Number.of(known, print_utilisation(used) if used else "0 %")
 
 
 def _judged(

@@ -20,7 +20,6 @@ from budget.report.tables import (
     SMALL_SHARE,
     Number,
     as_limited,
-    bound_number,
     join_outputs,
     largest_error,
     print_contributions,
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Card, Section, Words
     from budget.report.tables import GroupTable
-    from budget.results import Assessment, Budget, OutputAssessment, OutputBudget
+    from budget.results import Assessment, Budget, JudgedOutput, OutputBudget
     from budget.studies.what_if import SourceSteps, WhatIf
 
 LACKS = 2  # names of what a row lacks
@@ -111,13 +110,13 @@ def limits_section(
 
 def _differing(
     assessment: Assessment,
-) -> list[tuple[str, list[OutputAssessment]]]:
+) -> list[tuple[str, list[JudgedOutput]]]:
     """Return by sensor the groups of limits whose axes differ in print."""
-    groups: dict[Name, list[OutputAssessment]] = {}
+    groups: dict[Name, list[JudgedOutput]] = {}
     for row in assessment.outputs:
         if row.output.name.owner != MISSION:
             groups.setdefault(row.output.name.group, []).append(row)
-    found: dict[str, list[OutputAssessment]] = {}
+    found: dict[str, list[JudgedOutput]] = {}
     for group, rows in groups.items():
         if len({largest_error(row).text for row in rows}) > 1:
             found.setdefault(group.owner, []).extend(rows)
@@ -165,7 +164,7 @@ def _limited(
     budget: Budget, assessment: Assessment, carried: Budget | None
 ) -> Iterator[AnswerRow]:
     """Yield what is held against limits."""
-    groups: dict[object, list[OutputAssessment]] = {}
+    groups: dict[object, list[JudgedOutput]] = {}
     for row in assessment.judged:
         name = row.output.name
         groups.setdefault(name if name.owner == MISSION else name.group, []).append(row)
@@ -223,10 +222,10 @@ def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
             like = HEADING if axis == HEADING else quantity
             unit, scale = unit_for(like, row.largest_error)
             output = replace(row.output, unit=unit, si_per_unit=scale)
-            error = round_error(row.largest_error, row.standard_uncertainty, output)
+            u = row.standard_uncertainty
             yield AnswerRow(
                 title=key_title(row.output.name),
-                error=bound_number(error, lower_bound=row.lower_bound),
+                error=round_error(row.largest_error, u, output),
                 unit=unit,
                 after=calibration_words(question_of(carried).procedure),
                 **_made_of(row, [row.output.name]),

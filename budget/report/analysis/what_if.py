@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import UnitError
 from budget.inputs.records import CHANGED
+from budget.known import Known
 from budget.names import AIDING, MISSION
 from budget.question import sensors_of
 from budget.report.blocks import Section, Sliders
@@ -16,7 +17,6 @@ from budget.report.mission import outputs_at_end
 from budget.report.pages import blocks, sections
 from budget.report.tables import (
     as_limited,
-    bound_number,
     print_coverage,
     print_two_down,
     round_error,
@@ -168,6 +168,6 @@ def largest_size(row: SourceSteps) -> str:
 
 def _expanded(row: SourceSteps, step: Step) -> Number:
     """Round U like its standard uncertainty."""
-    number = round_error(step.expanded, step.u, row.output)
-    unknown = row.lower_bound and step.u <= row.output.resolution
-    return bound_number(number, lower_bound=row.lower_bound, unknown=unknown)
+    is_felt = step.u > row.output.resolution
+    known = Known.of(step.expanded, row.lacks, is_felt=is_felt)
+    return round_error(known, step.u, row.output)

@@ -8,6 +8,7 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from budget.known import AT_LEAST
 from budget.report.comparison.tables import merit_points
 from budget.report.figures.curves import free_place
 from budget.report.figures.rows import (
@@ -35,7 +36,7 @@ from budget.report.figures.style import (
 )
 from budget.report.figures.tabled import Plot, entries
 from budget.report.pages import figure, line
-from budget.report.tables import AT_LEAST, as_limited, used_part
+from budget.report.tables import as_limited, used_part
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -48,7 +49,7 @@ if TYPE_CHECKING:
     from budget.report.comparison.tables import Ranking
     from budget.report.comparison.tables import Row as Device
     from budget.report.figures.rows import ChartMark
-    from budget.results import OutputAssessment
+    from budget.results import JudgedOutput
     from budget.studies.figures_of_merit import Amount
 
 SHOWN = 30  # devices of a map, the best ones that can be judged; all are in the tables
@@ -81,7 +82,7 @@ def map_chart(table: Ranking, name: str, data: DataTable | None) -> Chart:
     """
     rows = table.measured[:SHOWN]
     columns = _columns(rows)
-    known = [row for row in table.measured if not row.of.lower_bound]
+    known = [row for row in table.measured if not row.of.utilisation.is_bound]
     tightest = Counter(row.of.worst_output.quantity for row in known)
     told, own = figure(
         PAGE,
@@ -198,7 +199,7 @@ def _opacity(part: float) -> float:
     return BEYOND + (DARKEST - BEYOND) * share
 
 
-def _cell(output: OutputAssessment) -> str:
+def _cell(output: JudgedOutput) -> str:
     """Print a part of a limit as everywhere, as far as a cell has room for it."""
     if 100.0 * output.utilisation >= MOST_PER_CENT:
         return ">999"
@@ -269,7 +270,7 @@ def _drawn_front(
     for place, ((row, _), at, is_best) in enumerate(
         zip(points, places, best, strict=True)
     ):
-        if row.of.lower_bound:  # there, or above
+        if row.of.utilisation.is_bound:  # there, or above
             axes.plot([at[0]] * 2, [at[1], high], color=MUTED, linewidth=0.9, zorder=1)
         colour = BLUE if is_best else MUTED
         axes.plot(

@@ -7,6 +7,7 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from budget.known import AT_LEAST
 from budget.language import Note
 from budget.missing.prediction import LEAST_DESIGNS
 from budget.names import MISSION
@@ -38,7 +39,7 @@ from budget.report.standing import (
     parted,
     standing_lines,
 )
-from budget.report.tables import AT_LEAST, print_chance, settings_lines, used_part
+from budget.report.tables import print_chance, settings_lines, used_part
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import MERITS, over_cap
@@ -204,10 +205,9 @@ def _standing(
         for one in sorted(
             comparison.entrants, key=lambda one: VERDICTS.index(one.verdict)
         )
-        if one.standing.saturates
-        or (is_refused and one.verdict not in {"undecidable", "fails"})
-        for said in [deciding_lines if one.standing.saturates else standing_lines]
-        if (lines := said(one.standing))
+        if one.saturates or (is_refused and one.verdict not in {"undecidable", "fails"})
+        for said in [deciding_lines if one.saturates else standing_lines]
+        if (lines := said(one))
     )
 
 
@@ -219,13 +219,13 @@ def _beside(
     Of those that fail their row says why; one that saturates is nowhere left out.
     """
     best = [row.of for table in found for row in table.first(BEST)]
-    lost = [one for one in comparison.nothing_known if one.standing.saturates]
+    lost = [one for one in comparison.nothing_known if one.saturates]
     shown = [one for one in (*best, *lost) if one.verdict != "fails"]
     return {
         macro: _together(
             ((one.sensor, text), one.name)
             for one in shown
-            for text in lines("standing", macro, standing=one.standing)
+            for text in lines("standing", macro, standing=one)
         )
         for macro in ("deciding", "cautions")
     }

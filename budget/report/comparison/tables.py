@@ -9,12 +9,11 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
+from budget.known import AT_LEAST, AT_MOST
 from budget.language import say, words
 from budget.names import MISSION
 from budget.report.pages import line
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     DASH,
     HALF_DIGIT,
     PER_CENT,
@@ -31,7 +30,7 @@ from budget.report.tables import (
 from budget.results import VERDICTS
 from budget.studies.comparison.records import (
     NUMBERED,
-    DeviceVerdict,
+    Entrant,
     rank_number,
     ranks,
 )
@@ -42,13 +41,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from budget.names import Name
-    from budget.results import Condition, Doubt, Probability
+    from budget.results import Condition, Doubt, Probability, Remedy
     from budget.studies.comparison.records import (
         Comparison,
         Entrant,
         MissingLines,
         Pair,
-        Remedy,
     )
     from budget.studies.figures_of_merit import Amount
 
@@ -74,7 +72,7 @@ class Row:
     at_worst: str  # '198 fails' with the worst of the catalogue in their place
     ask: str  # 'mounting repeatability 0.11': which of them to ask for, its worth
     saturates: str  # 'saturates: gyro z asks ...': its numbers are those of no device
-    of: DeviceVerdict
+    of: Entrant
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +81,7 @@ class Ranking:
 
     sensor: str
     name: str  # unique in the document: 'gyro-0'
-    devices: tuple[DeviceVerdict, ...]  # best first
+    devices: tuple[Entrant, ...]  # best first
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
     under: str  # the procedure, '' where there is no other
     order: Callable[[Row], Any] | None = None  # what rows are sorted by; None: the rank
@@ -108,7 +106,7 @@ class Ranking:
         known = [one for one in self.devices if _is_decided(one)]
         return self._written(known[:most] if self.order is None else known)[:most]
 
-    def _written(self, devices: Sequence[DeviceVerdict]) -> list[Row]:
+    def _written(self, devices: Sequence[Entrant]) -> list[Row]:
         """Write rows of devices, in the order that is asked for."""
         places = map(id, self.devices)
         by_place = dict(zip(places, self._ranks, strict=True))
@@ -195,9 +193,9 @@ def requests(comparison: Comparison) -> list[Request]:
     """Return what to ask whom for, makers' requests that are alike gathered."""
     together: dict[Any, list[Entrant]] = {}
     for one in comparison.entrants:
-        if not _is_decided(one) and not one.standing.saturates:
-            lines = tuple(ask.line for ask in one.standing.asks)
-            if not isinstance(one, DeviceVerdict) and one.sensor != MISSION:
+        if not _is_decided(one) and not one.saturates:
+            lines = tuple(ask.line for ask in one.asks)
+            if not one.is_judged and one.sensor != MISSION:
                 lines = ()  # of a sheet that gives none every one is asked for
             elif not lines and one.missing:
                 lines = one.missing.lines
@@ -208,7 +206,7 @@ def requests(comparison: Comparison) -> list[Request]:
             vendor=vendor,
             lines=lines,
             names=list(dict.fromkeys(one.name for one in own)),
-            **bounds_of([ask for each in own for ask in each.standing.asks[:1]]),
+            **bounds_of([ask for each in own for ask in each.asks[:1]]),
         )
         for (sensor, vendor, lines), own in together.items()
     ]
@@ -269,12 +267,12 @@ def side_by_side(
     ]
 
 
-def _row(one: DeviceVerdict, rank: str) -> Row:
+def _row(one: Entrant, rank: str) -> Row:
     """Write one row."""
     utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
-    if one.lower_bound:
+    if one.utilisation.is_bound:
         utilisation = f"{AT_LEAST} {utilisation}"
-    beyond = one.standing.saturates
+    beyond = one.saturates
     is_open = one.rests_on_others or beyond
     return Row(
         rank=rank,
@@ -289,18 +287,18 @@ def _row(one: DeviceVerdict, rank: str) -> Row:
         missing="" if one.missing is None else f"{len(one.missing.lines)}",
         at_worst=print_worst_case(one.missing),
         ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
-        saturates=line("comparison_parts", "saturates", standing=one.standing)
-        if beyond
-        else "",
+        saturates=line("comparison_parts", "saturates", standing=one) if beyond else "",
         of=one,
     )
 
 
-def print_conformance(one: DeviceVerdict | Pair) -> str:
+def print_conformance(one: Entrant | Pair) -> str:
     """Print the conformance; '' where it would be that of another unit."""
-    if one.at_medians or one.standing.saturates:
+    if one.at_medians or one.saturates:
         return ""
-    return (print_at_most if one.lower_bound else print_probability)(one.conformance)
+    return (print_at_most if one.utilisation.is_bound else print_probability)(
+        one.conformance
+    )
 
 
 def print_range(doubt: Doubt) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.known import Known
 from budget.report.figures.style import (
     BLUE,
     INK,
@@ -22,10 +23,7 @@ from budget.report.figures.style import (
 from budget.report.figures.tabled import Plot
 from budget.report.pages import figure
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     Number,
-    bound_number,
     print_coverage,
     print_given,
     round_error,
@@ -62,8 +60,6 @@ def density_plot(density: Density, *, coverage: float) -> Plot:
         scale=density.output.si_per_unit,
         rounded=lambda x: round_error(x, density.u, density.output).text,
         marked=partial(_marked, density),
-        at_most=AT_MOST,
-        at_least=AT_LEAST,
     )
     return Plot(
         name=f"density-{density.output.name}",
@@ -160,10 +156,12 @@ def _limits(density: Density) -> tuple[float, ...]:
     return tuple(limit for limit in both if abs(limit - middle) <= FAR * half)
 
 
-def _marked(density: Density, value: float, sign: str) -> Number:
-    """Round a value, and mark it where lines that are not given would move it."""
-    number = round_error(value, density.u, density.output)
-    return bound_number(number, lower_bound=bool(density.lacks), sign=sign)
+def _marked(
+    density: Density, value: float, *, is_mean: bool = False, is_end: bool = False
+) -> Number:
+    """Round a mean, a lower end or another number, which lines not given would move."""
+    known = Known.of(value, () if is_mean else density.lacks)
+    return round_error(known.falling if is_end else known, density.u, density.output)
 
 
 def _limit(density: Density) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.known import Known
 from budget.language import say
 from budget.model.source import ACCELEROMETER
 from budget.names import LENGTHS, MISSION, SPANS, time_text
@@ -29,7 +30,6 @@ from budget.report.figures.style import (
 from budget.report.figures.tabled import Plot, alternative_of_curves, column_tips
 from budget.report.pages import figure, line
 from budget.report.tables import (
-    AT_LEAST,
     UNITS,
     full_title,
     length,
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from budget.names import Name
     from budget.report.blocks import Picture
     from budget.report.tables import Unit
-    from budget.results import OutputAssessment
+    from budget.results import JudgedOutput
     from budget.studies.mission import Curve
 
 # Heights of the errors, of the strip of shares, and what is around them [pt].
@@ -137,11 +137,11 @@ class ErrorGrowth:
         text = (
             length(size) if is_length else f"{round_uncertainty(size / scale)} {unit}"
         )
-        return f"{AT_LEAST} {text}" if self.is_more else text
+        return Known.at_least(size).written(text) if self.is_more else text
 
 
 def growth_pictures(
-    curve: Curve, limits: Sequence[OutputAssessment] = ()
+    curve: Curve, limits: Sequence[JudgedOutput] = ()
 ) -> tuple[Picture, ...]:
     """Return a figure of the horizontal position and of each other limited error.
 
@@ -153,7 +153,7 @@ def growth_pictures(
     return tuple(growth_plot(one, limits).picture for one in every if one is not None)
 
 
-def growth_plot(growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()) -> Plot:
+def growth_plot(growth: ErrorGrowth, limits: Sequence[JudgedOutput] = ()) -> Plot:
     """Show an error over time against its limits, and below it who makes it when.
 
     Shares are of the variance: they alone add up.
@@ -197,7 +197,7 @@ def growth_plot(growth: ErrorGrowth, limits: Sequence[OutputAssessment] = ()) ->
 
 
 def _draw(
-    growth: ErrorGrowth, limits: Sequence[OutputAssessment], told: SimpleNamespace
+    growth: ErrorGrowth, limits: Sequence[JudgedOutput], told: SimpleNamespace
 ) -> Figure:
     """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
     drawing = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
@@ -236,7 +236,7 @@ def _draw(
 
 
 def _draw_errors(
-    axes: Axes, growth: ErrorGrowth, limits: Sequence[OutputAssessment]
+    axes: Axes, growth: ErrorGrowth, limits: Sequence[JudgedOutput]
 ) -> None:
     """Draw how large the error is, and what it may be when."""
     x = np.array(growth.curve.times)

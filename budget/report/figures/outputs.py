@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from budget.results import (
         Assessment,
         Budget,
-        OutputAssessment,
+        JudgedOutput,
         OutputBudget,
         Validation,
     )
@@ -135,7 +135,7 @@ def utilisation_chart(assessment: Assessment) -> Chart:
     )
 
 
-def _ranked(assessment: Assessment, sensor: str) -> list[list[OutputAssessment]]:
+def _ranked(assessment: Assessment, sensor: str) -> list[list[JudgedOutput]]:
     """Return the outputs of a sensor by parameter, the worst group first.
 
     Axes keep their order, which noise would change otherwise.

@@ -7,6 +7,7 @@ from itertools import accumulate
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
+from budget.known import AT_LEAST, AT_MOST
 from budget.language import key_title, words
 from budget.question import read_name
 from budget.references.difference import EXACT, FALSE_ALARM, TOOL
@@ -16,8 +17,6 @@ from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.reference.figures import moves_chart
 from budget.report.tables import (
-    AT_LEAST,
-    AT_MOST,
     PLAIN_BELOW,
     round_value,
     source_title,

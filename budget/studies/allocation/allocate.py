@@ -182,7 +182,7 @@ def allocate_as(
         not_allocated=missing,
         not_estimated=limited_but_held(there, how, wanted.outputs),
         standings=tuple(
-            (case.owner, standing)
+            standing
             for case in cases
             if feasible and case.s is not None
             for standing in [stand(case.found, seed=seed)]

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.mission import on_the_way
+from budget.calibration.problem import retimed
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, sparing
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
+from budget.model.estimators import estimator_of
 from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
 from budget.studies.judgement import judge
@@ -160,13 +163,27 @@ class SensorCase:
         problem = replace(one, designed=knows).problem
         return scaled_law(problem).select(self.task.law.outputs)
 
+    def retimed(self, procedure: Procedure) -> ScaledLaw:
+        """Return the law by windows of other lengths, that change but the noise."""
+        one, is_led = self.question, self.question.journey is not None
+        sensors, how = one.sensors, procedure
+        if is_led:
+            sensors, how = on_the_way(sensors, how)
+        problem = retimed(one.problem, sensors, how, every=is_led)
+        return scaled_law(problem, one.law).select(self.task.law.outputs)
+
     @property
     def found(self) -> Question:
         """The calibration, or the mission, with the lines as allocated."""
-        one = self.question
-        return one.kept(
-            self.factors.tobytes(), lambda: one.with_sensors(self.allocated)
-        )
+        return self.question.kept(self.factors.tobytes(), self._resized)
+
+    def _resized(self) -> Question:
+        """Return it; its Problem has the groups of what there is, resized."""
+        found = self.question.with_sensors(self.allocated)
+        estimator = estimator_of(self.question.procedure.formulas)
+        if not self.is_tuned and not estimator.weighs_noise:
+            vars(found)["problem"] = self.question.problem.resized(self.factors)
+        return found
 
     def at_most(self, ceilings: Mapping[Name, float]) -> SensorCase:
         """Return the case with no line above these factors, by the name of its line."""

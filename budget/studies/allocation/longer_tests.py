@@ -40,6 +40,11 @@ class _Setting:
     change: Callable[[float], Procedure]
     whole: bool
 
+    def after(self, value: float) -> float:
+        """Return the next value to try."""
+        more = min(value * STEP, self.most)
+        return max(float(int(more)), value + 1.0) if self.whole else more
+
 
 def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     """Find the least number of turns and the shortest dwell that meet the limits.
@@ -61,16 +66,19 @@ def find_longer_tests(case: SensorCase) -> tuple[LongerTest, ...]:
     ]
     if not goals:
         return ()
+    procedure = case.question.procedure
     settings = [
-        (sensor.kind, setting, _changed_laws(case, setting))
+        (sensor.kind, setting)
         for sensor in case.question.sensors
-        if calibrates(sensor.kind, case.question.procedure)
-        for setting in _growing(sensor, case.question.procedure)
+        if calibrates(sensor.kind, procedure)
+        for setting in _growing(sensor, procedure)
     ]
+    of_noise = not case.is_tuned and _changes_noise(case)
+    laws = [_changed_laws(case, setting, of_noise=of_noise) for _, setting in settings]
     return tuple(
         _grow(setting, partial(_used_of, case, law_at, s), kind, goal)
         for s, goal in goals
-        for kind, setting, law_at in settings
+        for (kind, setting), law_at in zip(settings, laws, strict=True)
     )
 
 
@@ -82,16 +90,29 @@ def largest_utilisation(task: Task, law: ScaledLaw, s: Array) -> float:
     return float(replace(task, law=law).utilisation(s).max())
 
 
+def _changes_noise(case: SensorCase) -> bool:
+    """Whether a step of all settings together moves but the noise of the windows."""
+    procedure = case.question.procedure
+    for sensor in case.question.sensors:
+        if calibrates(sensor.kind, procedure):
+            for place in range(len(_growing(sensor, procedure))):
+                setting = _growing(sensor, procedure)[place]
+                procedure = setting.change(setting.after(setting.now))
+    built = case.law_of(case.task.now, procedure)
+    return built.is_like(case.retimed(procedure))
+
+
 def _changed_laws(
-    case: SensorCase, setting: _Setting
+    case: SensorCase, setting: _Setting, *, of_noise: bool
 ) -> Callable[[float, tuple[float, ...]], ScaledLaw]:
     """Return the law by a setting and what a filter knows; goals may ask for one."""
 
     @cache
     def law_at(value: float, known: tuple[float, ...]) -> ScaledLaw:
-        if value != setting.now:
-            return case.law_of(known, setting.change(value))
-        return case.law if known == case.known(case.task.now) else case.least_law
+        if value == setting.now:
+            return case.law if known == case.known(case.task.now) else case.least_law
+        procedure = setting.change(value)
+        return case.retimed(procedure) if of_noise else case.law_of(known, procedure)
 
     return law_at
 
@@ -207,9 +228,7 @@ def _grow(
     best, least = value, utilisation(value)
     needed = None
     while value < setting.most:
-        below, value = value, min(value * STEP, setting.most)
-        if setting.whole:
-            value = max(float(int(value)), below + 1.0)
+        below, value = value, setting.after(value)
         used = utilisation(value)
         if used < least:
             best, least = value, used

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
 from budget.names import Name
-from budget.results import Tabled
+from budget.results import LimitedOutput, Study
 from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Device, Sensor
-    from budget.problem import Output
-    from budget.results import InputFile, Standing
+    from budget.results import Verdict
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
 
@@ -76,23 +75,14 @@ class LimitPart:
     needed=lambda row: row.floor * row.limit,
 )
 @dataclass(frozen=True, kw_only=True)
-class LimitedOutput(Documented):
+class SharedLimit(LimitedOutput):
     """One limit, and how it is shared out."""
 
-    output: Output
-    limit: float  # [SI]
-    printed_limit: str
     now: float  # largest interval end over limit [1]
     allowed: float | None  # the same after the allocation [1]
     floor: float  # the same of what cannot be allocated [1]
     is_binding: bool
-    lower_bound: bool  # a line that is not given would take a part of it too
     parts: tuple[LimitPart, ...]
-
-    @property
-    def sensor(self) -> str:
-        """Owner of the output."""
-        return self.output.name.owner
 
     @property
     def after(self) -> float:
@@ -423,11 +413,10 @@ class Recalibration(Documented):
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Allocation(Tabled):
+class Allocation(Study):
     """Everything that `budget allocate` says."""
 
     title: str
-    inputs: tuple[InputFile, ...]
     strategy: str
     requirement: str
     procedure: str
@@ -438,7 +427,7 @@ class Allocation(Tabled):
     feasible: bool
     not_allocated: tuple[str, ...]  # sensors that have limits and are not given
     sources: tuple[SourceAllotment, ...]
-    outputs: tuple[LimitedOutput, ...]
+    outputs: tuple[SharedLimit, ...]
     checks: tuple[CoverageCheck, ...]
     costs: tuple[CostReport, ...]
     longer_tests: tuple[LongerTest, ...]
@@ -447,12 +436,10 @@ class Allocation(Tabled):
     devices: tuple[Device, ...]
     sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
     not_given: tuple[Name, ...]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
     is_joint: bool = False  # its limits are to be kept together; each was shared out
     # Of what is allocated, by the owner of the limits; () where nothing is.
-    standings: tuple[tuple[str, Standing], ...] = ()
+    standings: tuple[Verdict, ...] = ()
 
     def is_met(self, accepted: Sequence[str]) -> bool:
         """Whether what is allocated has one of these verdicts, or is at its limit.
@@ -460,14 +447,14 @@ class Allocation(Tabled):
         At a limit, which is where an allocation ends, no trials decide.
         """
         fine = {*accepted, "undecided"}
-        return self.feasible and all(one.verdict in fine for _, one in self.standings)
+        return self.feasible and all(one.verdict in fine for one in self.standings)
 
     @property
-    def binding(self) -> tuple[LimitedOutput, ...]:
+    def binding(self) -> tuple[SharedLimit, ...]:
         """Outputs at their limits after the allocation."""
         return tuple(row for row in self.outputs if row.is_binding)
 
     @property
-    def impossible(self) -> tuple[LimitedOutput, ...]:
+    def impossible(self) -> tuple[SharedLimit, ...]:
         """Outputs whose limits are passed by what cannot be allocated."""
         return tuple(row for row in self.outputs if row.floor > 1.0)

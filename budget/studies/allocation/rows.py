@@ -21,9 +21,9 @@ from budget.studies.allocation.records import (
     ZERO,
     CostReport,
     Headroom,
-    LimitedOutput,
     LimitPart,
     Saving,
+    SharedLimit,
     SourceAllotment,
 )
 from budget.ties import first_largest, from_largest, largest
@@ -40,7 +40,7 @@ ONE_PERCENT = 0.01  # [1]
 COUNTS = 1e-3  # part of a squared limit from which a source is said to count [1]
 
 
-def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
+def limited_outputs(case: SensorCase) -> tuple[SharedLimit, ...]:
     """Say of each limit who takes how much of it, now and after the allocation."""
     task, s = case.task, case.s
     printed = {limit.output: limit.printed for limit in case.question.wanted.limits}
@@ -56,7 +56,7 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
     bound = np.zeros(len(task.limit), bool) if s is None else task.binding(s)
     names = (*task.law.sources, INTERACTION, MEAN)
     return tuple(
-        LimitedOutput(
+        SharedLimit(
             output=case.outputs[name],
             limit=float(task.limit[k]),
             printed_limit=printed[name],
@@ -64,7 +64,7 @@ def limited_outputs(case: SensorCase) -> tuple[LimitedOutput, ...]:
             floor=float(used[1][k]),
             allowed=None if s is None else float(used[2][k]),
             is_binding=bool(bound[k]),
-            lower_bound=bool(case.question.lacks[name]),
+            lacks=case.question.lacks[name],
             parts=tuple(
                 LimitPart(
                     source=source,

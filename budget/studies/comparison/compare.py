@@ -27,16 +27,12 @@ from budget.studies.cautions import (
     not_weighted,
     of_no_vehicle,
 )
-from budget.studies.comparison.candidates import missing_lines
-from budget.studies.comparison.judging import JudgedCandidate, Judging, judge_all
+from budget.studies.comparison.judging import Judging, entrant_of, judge_all
 from budget.studies.comparison.ranking import pair_up, rank, rank_imus
 from budget.studies.comparison.records import (
     Comparison,
-    DeviceVerdict,
     Entrant,
-    UnknownCap,
 )
-from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 from budget.studies.verdicts import unjudged
 
@@ -50,10 +46,8 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
     )
-    from budget.results import Standing
 
 LEAST_TRIALS = 2
-NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
 @asking("compare")
@@ -167,11 +161,12 @@ def compare(
             progress=engine.stage("comparison of devices"),
         )
     where = {id(one): place for one, place in zip(candidates, places, strict=True)}
-    verdicts = [
-        _verdict(one, where[id(one)], finding)
-        for one, finding in zip(judged, findings, strict=True)
-    ]
-    ranked = rank(verdicts)
+    ranked = rank(
+        [
+            replace(finding, place=where[id(one)])
+            for one, finding in zip(judged, findings, strict=True)
+        ]
+    )
     return Comparison(
         requirement=wanted.name,
         mission="" if journey is None else journey.name,
@@ -193,7 +188,7 @@ def compare(
         not_compared=not_compared,
         devices=ranked,
         nothing_known=tuple(
-            _entrant(one, place, unjudged(one))
+            replace(entrant_of(one, unjudged(one)), place=place)
             for one, place in zip(candidates, places, strict=True)
             if not one.has_lines
         ),
@@ -282,69 +277,11 @@ def check_names(procedures: Sequence[Procedure]) -> None:
         )
 
 
-def _verdict(one: Question, place: int, finding: JudgedCandidate) -> DeviceVerdict:
-    """Turn a finding into the verdict on one sensor of one device."""
-    judged = finding.judged
-    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
-    advice = ""
-    # Trials make no difference to what missing lines leave open.
-    if finding.doubt is None and judged.trials is None and (is_near or judged.is_open):
-        advice = sentence("comparisons.advice", is_near=is_near)
-    return DeviceVerdict(
-        **vars(_entrant(one, place, finding.standing)),
-        utilisation=judged.utilisation,
-        utilisation_interval=judged.utilisation_interval,
-        worst_output=finding.worst,
-        worst_outputs=finding.all_worst,
-        conformance=judged.conformance,
-        outputs=finding.outputs,
-        remedy=finding.remedy,
-        trials=judged.trials,
-        advice=advice,
-        judged=judged,
-        closer=finding.closer,
-        doubt=finding.doubt,
-        readings=finding.readings,
-    )
-
-
-def _entrant(one: Question, place: int, standing: Standing) -> Entrant:
-    """Return what is said of every candidate, whether it can be judged or not."""
-    device, caps = one.devices[0], one.wanted.caps
-    return Entrant(
-        name=device.name,
-        place=place,
-        sensor=one.owner,
-        procedure=one.procedure.name,
-        file=device.origin.file,
-        technology=device.technology,
-        vendor=device.vendor,
-        not_given=tuple(name for one in one.sensors for name in one.not_given),
-        missing=missing_lines(one, standing),
-        standing=standing,
-        price=device.price,
-        mass=device.mass,
-        power=device.power,
-        over_caps=tuple(
-            text
-            for merit, cap in caps
-            if merit in MERITS
-            and (text := over_cap(merit, getattr(device, merit), cap))
-        ),
-        unknown_caps=tuple(
-            UnknownCap(merit=merit, cap=cap, text=text)
-            for merit, cap in caps
-            if merit in MERITS
-            and not is_known(merit, text := getattr(device, merit), cap)
-        ),
-    )
-
-
 def _warnings(
     devices: Sequence[Device],
     requirement: Requirement,
     candidates: Sequence[Question],
-    findings: Sequence[JudgedCandidate],
+    findings: Sequence[Entrant],
     not_compared: Sequence[str],
 ) -> tuple[str, ...]:
     """Name what a reader could misread."""

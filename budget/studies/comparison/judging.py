@@ -15,22 +15,21 @@ from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
 from budget.missing import shipped_devices
 from budget.missing.prediction import prepare
-from budget.studies.comparison.candidates import find_remedy
-from budget.studies.comparison.records import Lead, Remedy
-from budget.studies.doubt import doubt_of
+from budget.sentences import sentence
+from budget.studies.comparison.candidates import missing_lines
+from budget.studies.comparison.records import Entrant, Lead, UnknownCap
+from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import (
     MAX_TRIALS,
     STEP,
     TRIALS,
-    Judged,
-    assess_outputs,
     can_sharpen,
     judge,
     judge_with,
     screen,
 )
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import FAILS, decide
+from budget.studies.verdicts import FAILS, verdict_on
 
 CHUNK = 64  # candidates that are judged by the law at once
 
@@ -38,9 +37,11 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
-    from budget.names import Name
     from budget.question import Limited, Question
-    from budget.results import Doubt, OutputAssessment, ReadingVerdicts, Standing
+    from budget.results import Verdict
+
+
+NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,26 +62,6 @@ class Judging:
         return self.method == "gum" and not self.validate
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JudgedCandidate:
-    """What is kept of one candidate; its law and its trials are not."""
-
-    # With as many trials as the verdict took: what every command says of it.
-    judged: Judged
-    closer: Judged  # with as many as its rank took, for nothing but the rank
-    standing: Standing
-    outputs: tuple[OutputAssessment, ...]  # the required ones
-    # That which uses most of its limit; that and all that are equal by the law.
-    worst: Name
-    all_worst: tuple[Name, ...]
-    remedy: Remedy
-    doubt: Doubt | None  # where missing lines are predicted
-    readings: ReadingVerdicts | None  # where the meaning of lines is open
-    normals: int  # that a trial of its Problem draws
-    impossible: tuple[str, ...]  # outputs beyond their limits without any source
-    doubtful: tuple[str, ...]  # outputs for which Monte Carlo does not confirm the law
-
-
 def judge_all(
     candidates: Sequence[Question],
     judging: Judging,
@@ -88,16 +69,16 @@ def judge_all(
     executor: Executor | None,
     ahead: int,
     progress: Callable[[int, int], None] | None,
-) -> list[JudgedCandidate]:
+) -> list[Entrant]:
     """Judge all; those whose rank is open are looked at again with more trials.
 
     `ahead` candidates are given out at once; `progress` is called with the judgements
     done and those in all.
     """
-    findings: dict[int, JudgedCandidate] = {}
+    findings: dict[int, Entrant] = {}
     done = 0
 
-    def take(places: Sequence[int], work: Callable[..., JudgedCandidate]) -> None:
+    def take(places: Sequence[int], work: Callable[..., Entrant]) -> None:
         nonlocal done
         total = done + len(places)
         # By the law a chunk is sooner judged than sent; trials are shared out singly.
@@ -126,17 +107,17 @@ def judge_all(
 
 
 def _each(
-    tasks: Sequence[tuple[Question, JudgedCandidate | None]],
+    tasks: Sequence[tuple[Question, Entrant | None]],
     *,
-    work: Callable[..., JudgedCandidate],
-) -> list[JudgedCandidate]:
+    work: Callable[..., Entrant],
+) -> list[Entrant]:
     """Judge some candidates, one after the other; what they share is made at once."""
     devices = dict.fromkeys(device for one, _ in tasks for device in one.devices)
     prepare(devices, tasks[0][0].catalogue or shipped_devices())
     return [work(task) for task in tasks]
 
 
-def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
+def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
     one = replace(task[0])  # of thousands no Problem is kept
     held, law = held_of(one), one.law
@@ -164,10 +145,6 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
         )
     beyond = np.abs(law.value[held.rows]) >= held.limits
     names = [output.name for output in held.outputs]
-    missing = (*one.missing, *held.absent)
-    doubt = None
-    if prediction is not None and not missing:
-        doubt = doubt_of(prediction, held, law, judged)
     readings = None
     if prediction is None and len(one.sensors) == 1:
         by_law = judging.by_law
@@ -178,28 +155,60 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> JudgedCandidate:
             by_law=by_law,
             taken=judged if by_law or is_usual else None,
         )
-    standing = decide(
+    verdict = verdict_on(
         one,
         held,
         law,
         judged,
         seed=judging.seed,
-        doubt=doubt,
         readings=readings,
     )
-    return JudgedCandidate(
+    used = judged.utilisation
+    is_near = NEAR[0] <= used <= NEAR[1]
+    # Trials make no difference to what missing lines leave open.
+    is_open = verdict.doubt is None and judged.trials is None
+    is_open = is_open and (is_near or judged.is_open)
+    found = entrant_of(one, verdict)
+    return replace(
+        found,
+        advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
+        at_medians=found.missing is not None and prediction is not None,
         judged=judged,
         closer=judged,
-        standing=standing,
-        outputs=assess_outputs(held, judged, standing, one.lacks),
-        worst=names[judged.worst],
-        all_worst=tuple(names[place] for place in judged.all_worst),
-        remedy=find_remedy(held, law, judged),
-        doubt=doubt,
-        readings=readings,
         normals=held.problem.normals_per_trial,
         impossible=tuple(itertools.compress(names, beyond)),
         doubtful=doubtful,
+    )
+
+
+def entrant_of(one: Question, verdict: Verdict) -> Entrant:
+    """Return what is said of every candidate, whether it can be judged or not."""
+    device, caps = one.devices[0], one.wanted.caps
+    return Entrant(
+        **vars(verdict),
+        name=device.name,
+        place=0,
+        procedure=one.procedure.name,
+        file=device.origin.file,
+        technology=device.technology,
+        vendor=device.vendor,
+        not_given=tuple(name for one in one.sensors for name in one.not_given),
+        missing=missing_lines(one, verdict),
+        price=device.price,
+        mass=device.mass,
+        power=device.power,
+        over_caps=tuple(
+            text
+            for merit, cap in caps
+            if merit in MERITS
+            and (text := over_cap(merit, getattr(device, merit), cap))
+        ),
+        unknown_caps=tuple(
+            UnknownCap(merit=merit, cap=cap, text=text)
+            for merit, cap in caps
+            if merit in MERITS
+            and not is_known(merit, text := getattr(device, merit), cap)
+        ),
     )
 
 
@@ -220,11 +229,11 @@ def held_of(one: Question) -> Limited:
 
 
 def _look_closer(
-    task: tuple[Question, JudgedCandidate], *, judging: Judging, trials: int
-) -> JudgedCandidate:
+    task: tuple[Question, Entrant], *, judging: Judging, trials: int
+) -> Entrant:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
-    if (finding.closer.trials or 0) >= trials:
+    if (finding.looked_at.trials or 0) >= trials:
         return finding
     one = replace(one)
     closer = judge_with(
@@ -238,7 +247,7 @@ def _look_closer(
 
 def _tied(
     candidates: Sequence[Question],
-    findings: dict[int, JudgedCandidate],
+    findings: dict[int, Entrant],
     max_trials: int,
 ) -> list[int]:
     """Return the places that a neighbour ties with, where more trials can tell.
@@ -251,14 +260,14 @@ def _tied(
     for place, one in enumerate(candidates):
         if one.missing or one.filled.lines:
             continue  # no trial says how a line that is not given would rank it
-        if findings[place].standing.verdict == FAILS:
+        if findings[place].verdict == FAILS:
             continue
-        key = (one.owner, one.procedure.name, findings[place].standing.verdict)
+        key = (one.owner, one.procedure.name, findings[place].verdict)
         lists.setdefault(key, []).append(place)
     for places in lists.values():
-        order = sorted(places, key=lambda p: findings[p].judged.utilisation)
+        order = sorted(places, key=lambda p: findings[p].utilisation)
         for better, worse in itertools.pairwise(order):
-            a, b = (findings[place].closer for place in (better, worse))
+            a, b = (findings[place].looked_at for place in (better, worse))
             if is_same(a.ends, b.ends):
                 continue  # what decides is the same lines: no trial parts them
             step = Lead(other="", probability=probability_smaller(a.ends, b.ends))
@@ -273,7 +282,7 @@ def _tied(
         twins = [
             pair
             for pair in itertools.pairwise(order)
-            if is_same(*(findings[place].closer.ends for place in pair))
+            if is_same(*(findings[place].looked_at.ends for place in pair))
         ]
         for pair in (*twins, *reversed(twins)):
             if found & {*pair}:

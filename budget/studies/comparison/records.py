@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget import views
 from budget.documents import Documented, written
-from budget.results import VERDICTS, Tabled
+from budget.results import VERDICTS, Study, Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -17,27 +17,10 @@ if TYPE_CHECKING:
 
     from budget.missing import Filling
     from budget.names import Name
-    from budget.results import (
-        Doubt,
-        InputFile,
-        OutputAssessment,
-        Probability,
-        ReadingVerdicts,
-        Standing,
-    )
     from budget.settings import Settings
     from budget.studies.judgement import Judged
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
-
-
-@dataclass(frozen=True, kw_only=True)
-class Remedy:
-    """The source that limits a device, and what its line alone would have to be."""
-
-    source: Name
-    share: float  # of the variance of the worst output [1]
-    factor: float | None  # on its standard uncertainty; None: it alone cannot mend it
 
 
 @written(
@@ -106,62 +89,13 @@ class UnknownCap:
 
 
 @written(
-    "entrant",
-    """
-    name
-    file
-    technology
-    sensor: or 'mission', of both
-    procedure
-    *standing as verdict
-    not_given: lines of the data sheet that are absent
-    missing: expected lines that are not given; null where all are
-    price
-    mass
-    power
-    over_caps: caps of the requirement that it exceeds, in words
-    unknown_caps
-    """,
-)
-@dataclass(frozen=True, kw_only=True)
-class Entrant(Documented):
-    """One sensor of one device under one procedure, and what its data sheet says.
-
-    Of a mission it is both sensors, and `sensor` is 'mission'.
-
-    On its own it is a sensor of which no error line is given: nothing is computed for
-    it, as 0 would look like the best of all, and its verdict is 'undecidable'.
-    """
-
-    name: str
-    place: int  # of the device among those compared, as they were given
-    sensor: str
-    procedure: str
-    file: str
-    technology: str
-    not_given: tuple[Name, ...]
-    missing: MissingLines | None
-    standing: Standing
-    price: str
-    mass: str
-    power: str
-    over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
-    unknown_caps: tuple[UnknownCap, ...]
-    vendor: str = ""  # whom to ask; '' where its file does not say
-
-    @property
-    def verdict(self) -> str:
-        """One of verdicts.VERDICTS."""
-        return self.standing.verdict
-
-
-@written(
     "device_verdict",
     """
     *self as entrant
     rank: in its list; equal of what cannot be told apart, null without a verdict that
       ranks
-    lower_bound: whether the utilisation is this or more, the conformance this or less
+    lower_bound = utilisation.is_bound: whether the utilisation is this or more, the
+      conformance this or less
     utilisation [1]: the largest over its required outputs
     utilisation_interval [1]: 95 % sampling, and the law's error
     margin [1]: what is left of the limit; negative beyond
@@ -180,55 +114,83 @@ class Entrant(Documented):
     readings?: verdicts under the readings of lines whose meaning is open
     outputs
     """,
+    said="One sensor of one device under one procedure, held against the requirement.",
+)
+@written(
+    "entrant",
+    """
+    name
+    file
+    technology
+    sensor: or 'mission', of both
+    procedure
+    *self as verdict
+    not_given: lines of the data sheet that are absent
+    missing: expected lines that are not given; null where all are
+    price
+    mass
+    power
+    over_caps: caps of the requirement that it exceeds, in words
+    unknown_caps
+    """,
+    said="One sensor of one device under one procedure, and what its data sheet says.",
 )
 @dataclass(frozen=True, kw_only=True)
-class DeviceVerdict(Entrant):
-    """One sensor of one device under one procedure, held against the requirement."""
+class Entrant(Verdict):
+    """The verdict on one sensor of one device under one procedure, and its sheet.
 
-    utilisation: float  # the largest of its required outputs [1]
-    utilisation_interval: tuple[float, float]  # 95 % sampling, and the law's error [1]
-    worst_output: Name
-    worst_outputs: tuple[Name, ...]  # that one and all that are equal to it by the law
-    conformance: Probability  # all required outputs together
-    outputs: tuple[OutputAssessment, ...]
-    remedy: Remedy
-    trials: int | None
-    advice: str
+    Of a mission it is both sensors, and `sensor` is 'mission'. Of a sensor of which no
+    error line is given nothing is computed, as 0 would look like the best of all: it
+    has no outputs, and its verdict is 'undecidable'.
+    """
+
+    name: str
+    place: int  # of the device among those compared, as they were given
+    procedure: str
+    file: str
+    technology: str
+    not_given: tuple[Name, ...]
+    missing: MissingLines | None
+    price: str
+    mass: str
+    power: str
+    over_caps: tuple[str, ...]  # 'mass 140 g, at most 100 g'
+    unknown_caps: tuple[UnknownCap, ...]
+    vendor: str = ""  # whom to ask; '' where its file does not say
+    advice: str = ""
     ahead: Lead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
-    judged: Judged = field(repr=False, compare=False)
-    closer: Judged = field(repr=False, compare=False)  # for the rank
-    doubt: Doubt | None = None  # of a verdict that rests on predicted lines
-    readings: ReadingVerdicts | None = None  # where the meaning of lines is open
     rank: int | None = None  # filled in by its list
+    # With as many trials as the verdict took, and as its rank took.
+    judged: Judged | None = field(default=None, repr=False, compare=False)
+    closer: Judged | None = field(default=None, repr=False, compare=False)
+    normals: int = 0  # that a trial of its Problem draws
+    impossible: tuple[str, ...] = ()  # outputs beyond their limits without any source
+    doubtful: tuple[str, ...] = ()  # for which Monte Carlo does not confirm the law
 
     @property
-    def known_conformance(self) -> Probability | None:
-        """At the medians of predicted lines it would look better than it is."""
-        return _known(self)
+    def is_judged(self) -> bool:
+        """Whether anything is known of it."""
+        return bool(self.outputs)
 
     @property
-    def lower_bound(self) -> bool:
-        """Whether the utilisation is this or more, the conformance this or less."""
-        return self.standing.misses or any(row.lower_bound for row in self.outputs)
+    def looked_at(self) -> Judged:
+        """What its rank is of.
 
-    @property
-    def range(self) -> tuple[float, float]:
-        """95 % sampling interval of the utilisation; 90 % over predicted lines [1]."""
-        return self.doubt.utilisation_90 if self.doubt else self.utilisation_interval
+        Raises
+        ------
+        ValueError
+            It was not judged.
+        """
+        if self.closer is None:
+            raise ValueError(f"{self.name} was not judged")
+        return self.closer
 
     @property
     def rests_on_others(self) -> bool:
         """Whether a line that is not given is left out, or taken from other devices."""
         filled = self.missing is not None and bool(self.missing.filling.lines)
-        return self.lower_bound or (filled and not self.is_bound)
-
-    @property
-    def at_medians(self) -> bool:
-        """Whether its numbers are those at the medians of predicted lines."""
-        if self.missing is None or self.missing.is_bound:
-            return False
-        return self.missing.filling.prediction is not None
+        return self.utilisation.is_bound or (filled and not self.is_bound)
 
     @property
     def is_bound(self) -> bool:
@@ -254,11 +216,12 @@ class DeviceVerdict(Entrant):
     gyro
     accelerometer
     procedure
-    verdict = standing.verdict (Literal{list(VERDICTS)})
-    lower_bound: whether the utilisation is this or more, the conformance this or less
+    verdict (Literal{list(VERDICTS)})
+    lower_bound = utilisation.is_bound: whether the utilisation is this or more, the
+      conformance this or less
     utilisation [1]: the largest over the required outputs of both
     worst_outputs: of the triad that uses most of its limits
-    limiting_source: with the largest share there
+    limiting_source = remedy.source: with the largest share there
     *known_conformance as conformance
     probability? [1]: that both meet, where lines are predicted
     """,
@@ -269,37 +232,23 @@ class DeviceVerdict(Entrant):
     name = gyro: of the device
     rank: under its procedure
     *self as pair
-    *standing as verdict
+    *self as verdict
     """,
 )
 @dataclass(frozen=True, kw_only=True)
-class Pair(Documented):
-    """A gyro and an accelerometer together, counted in the same trials."""
+class Pair(Verdict):
+    """A gyro and an accelerometer together, counted in the same trials.
+
+    The worst outputs and what limits them are of the triad that uses most.
+    """
 
     gyro: str
     accelerometer: str
     procedure: str
-    standing: Standing  # of both
-    utilisation: float
-    conformance: Probability
-    lower_bound: bool  # the utilisation is this or more, the conformance this or less
-    # Of the triad that uses most of its limits: its worst outputs and their source.
-    worst_outputs: tuple[Name, ...]
-    limiting_source: Name
-    ahead: Lead | None = None  # of the next IMU with the same verdict
+    parts: tuple[Entrant, ...] = field(repr=False, compare=False)  # and of both
     probability: float | None = None  # that both meet, where lines are predicted [1]
-    at_medians: bool = False  # its numbers are those at medians of predicted lines
+    ahead: Lead | None = None  # of the next IMU with the same verdict
     rank: int | None = None  # filled in by its list
-
-    @property
-    def verdict(self) -> str:
-        """One of verdicts.VERDICTS, the graver of both."""
-        return self.standing.verdict
-
-    @property
-    def known_conformance(self) -> Probability | None:
-        """At the medians of predicted lines it would look better than it is."""
-        return _known(self)
 
 
 @written(
@@ -314,7 +263,7 @@ class Pair(Documented):
     inputs: files that it depends on
     settings: what it depends on besides
     devices = ranked: best first within each sensor and procedure
-    nothing_known: of which no error line is given, not ranked
+    nothing_known as entrant: of which no error line is given, not ranked
     imus = numbered_imus as imu: devices of both sensors as one, best first
     pairs: every gyro with every accelerometer, where asked for
     assumptions
@@ -323,25 +272,22 @@ class Pair(Documented):
     commands="compare",
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Comparison(Tabled):
+class Comparison(Study):
     """All devices, best first within each sensor and procedure."""
 
     requirement: str
     mission: str = ""  # on which devices with both sensors are judged; '' without one
     procedures: tuple[str, ...]
-    inputs: tuple[InputFile, ...]
     settings: Settings
     caps: tuple[tuple[str, str], ...]  # of the requirement: ('mass', '2 kg')
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
-    devices: tuple[DeviceVerdict, ...]
+    devices: tuple[Entrant, ...]
     nothing_known: tuple[Entrant, ...]  # no error line given: undecidable, not ranked
     # Sensors that have limits and candidates, of which none can be tested (range).
     untested: tuple[str, ...] = ()
     # Devices of both sensors as one, best first under each procedure.
     imus: tuple[Pair, ...] = ()
     pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
 
     def output_frame(self) -> pd.DataFrame:
         """Return its CSV document as a pandas frame: each device, required output."""
@@ -371,9 +317,9 @@ class Comparison(Tabled):
         )
 
     @property
-    def lists(self) -> dict[tuple[str, str], list[DeviceVerdict]]:
+    def lists(self) -> dict[tuple[str, str], list[Entrant]]:
         """Devices by (sensor, procedure), sensor by sensor, best first."""
-        found: dict[tuple[str, str], list[DeviceVerdict]] = {
+        found: dict[tuple[str, str], list[Entrant]] = {
             (sensor, procedure): []
             for sensor in self.required
             for procedure in self.procedures
@@ -383,7 +329,7 @@ class Comparison(Tabled):
         return found
 
     @property
-    def ranked(self) -> Iterator[DeviceVerdict]:
+    def ranked(self) -> Iterator[Entrant]:
         """The devices with their ranks, best first."""
         for devices in self.lists.values():
             for one, rank in zip(devices, ranks(devices), strict=True):
@@ -406,13 +352,7 @@ class Comparison(Tabled):
         )
 
 
-def _known(one: DeviceVerdict | Pair) -> Probability | None:
-    """Return a conformance where its numbers are those of what is there."""
-    is_known = not (one.at_medians or one.standing.saturates)
-    return one.conformance if is_known else None
-
-
-def ranks(devices: Sequence[DeviceVerdict | Pair]) -> tuple[str, ...]:
+def ranks(devices: Sequence[Entrant | Pair]) -> tuple[str, ...]:
     """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='.
 
     '' of those that neither meet nor meet on conditions.

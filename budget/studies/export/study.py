@@ -17,7 +17,7 @@ from budget.missing import fill_all
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.question import sensors_of
-from budget.results import InputFile, Tabled, input_files
+from budget.results import Study, input_files
 from budget.settings import Asked, Inputs, asking
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, Known, print_number
@@ -68,7 +68,7 @@ LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
     reference=lambda found: REFERENCE if found.procedure else None,
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Export(Tabled):
+class Export(Study):
     """Everything that goes into the file of a target.
 
     Attributes
@@ -83,13 +83,10 @@ class Export(Tabled):
 
     target: Target
     title: str
-    inputs: tuple[InputFile, ...]
     entries: tuple[Exported, ...]
     left_out: tuple[str, ...]
     not_held: tuple[str, ...]
     notes: tuple[str, ...]
-    assumptions: tuple[str, ...]
-    warnings: tuple[str, ...]
     missing: str
     rate: float | None  # [Hz]
     inflate: float  # [1]

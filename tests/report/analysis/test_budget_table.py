@@ -12,9 +12,10 @@ from numpy.testing import assert_allclose
 from report_examples import WIDE_LIMITS
 
 from budget.inputs import load_device, load_procedure, load_requirement
+from budget.known import AT_LEAST, AT_MOST
 from budget.report.analysis.groups import budget_section
 from budget.report.pages import blocks, line
-from budget.report.tables import AT_LEAST, AT_MOST, group_tables, print_divisor
+from budget.report.tables import group_tables, print_divisor
 from budget.resources import shipped
 from budget.studies.analysis import analyze
 

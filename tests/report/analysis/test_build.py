@@ -220,7 +220,8 @@ def test_page_one_says_the_first_conditions(number, shown):
     budget = make_budget(outputs=make_outputs("accelerometer", ACCELEROMETER))
     assessment = make_assessment(budget, accelerometer="meets_if")
     standing = make_standing("meets_if", "accelerometer", conditions=number)
-    sensors = tuple(replace(one, standing=standing) for one in assessment.sensors)
+    own = {"verdict": standing.verdict, "conditions": standing.conditions}
+    sensors = tuple(replace(one, **own) for one in assessment.sensors)
     report = document(budget, assessment=replace(assessment, sensors=sensors))
     first = say(report.cards[0].lines[0])
     told = [line for line in lines(section(report, "limits")) if "stays below" in line]

@@ -39,8 +39,8 @@ from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.tables import print_probability, used_part
 from budget.report.typeset import typeset
-from budget.results import Probability
-from budget.studies.comparison.records import Lead, Remedy, ranks
+from budget.results import Probability, Remedy
+from budget.studies.comparison.records import Lead, ranks
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 

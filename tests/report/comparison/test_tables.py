@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,7 +22,6 @@ from budget.report.comparison.page import (
     comparison_sections,
 )
 from budget.report.comparison.tables import rankings, tallies
-from budget.studies.comparison.records import Entrant
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
@@ -251,10 +250,7 @@ def test_devices_that_lack_specifications_are_marked():
 
 def judged(found, verdict, **more):
     """Return a comparison with one verdict on every device."""
-    devices = tuple(
-        replace(one, standing=replace(one.standing, verdict=verdict), **more)
-        for one in found.devices
-    )
+    devices = tuple(replace(one, verdict=verdict, **more) for one in found.devices)
     return replace(found, devices=devices)
 
 
@@ -322,9 +318,7 @@ def test_who_meets_after_any_procedure_is_counted_once(capped):
 def test_devices_of_which_nothing_is_known_are_named(capped):
     """Among what cannot be judged, with all that there is to ask for."""
     (one, *_) = [device for device in capped.devices if device.sensor == "gyro"]
-    own = {field.name: getattr(one, field.name) for field in fields(Entrant)}
-    standing = replace(one.standing, verdict="undecidable")
-    bare = Entrant(**own | {"name": "bare", "place": 9, "standing": standing})
+    bare = replace(one, name="bare", place=9, verdict="undecidable", outputs=())
     page = comparison_document(replace(capped, nothing_known=(bare,)), date=DATE)
 
     ((names, ask, *_),) = rows(section(page, "not-judged"))

@@ -27,14 +27,13 @@ from budget.inputs.records import Requirement
 from budget.methods.gum import propagate
 from budget.missing.grades import completeness, grade, kind_of_device
 from budget.question import Question
-from budget.studies.comparison.candidates import find_remedy
 from budget.studies.figures_of_merit import (
     Amount,
     front,
     over_cap,
     read_amount,
 )
-from budget.studies.judgement import screen
+from budget.studies.judgement import find_remedy, screen
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 # What limits it, and what is missing
@@ -101,7 +100,7 @@ def test_missing_line_is_bounded_by_the_catalogue():
     )
     bound = found.devices[0].missing
 
-    (condition,) = found.devices[0].standing.conditions
+    (condition,) = found.devices[0].conditions
     assert condition.line == "gyro.bias_repeatability"
     assert_allclose(condition.ceiling, 0.2 * DEG_PER_HOUR, rtol=1e-12)
     assert bound.utilisation > found.devices[0].utilisation
@@ -114,7 +113,7 @@ def test_missing_line_that_nobody_has_is_not_bounded():
     bare = paper_device(missing=("bias_repeatability",))
     found = compared([bare], catalogue=[], method="gum")
 
-    (condition,) = found.devices[0].standing.conditions
+    (condition,) = found.devices[0].conditions
     assert (found.devices[0].verdict, condition.decides) == ("undecidable", True)
     assert found.devices[0].missing.utilisation is None
     assert found.devices[0].missing.verdict == ""

@@ -34,8 +34,8 @@ def said_of(rows: Any) -> dict[str, Any]:
         one.sensor: (
             one.verdict,
             one.utilisation,
-            one.standing.at_ceilings,
-            [str(condition.text) for condition in one.standing.conditions],
+            one.at_ceilings,
+            [str(condition.text) for condition in one.conditions],
         )
         for one in rows
     }
@@ -64,11 +64,11 @@ def test_it_says_what_the_budget_says(device, limit, more, verdict, decision):
     assert said_of(found.devices) == said_of(told.sensors)
     assert (whole.verdict, told.verdict) == (verdict, verdict)
     assert_allclose(whole.conformance.value, told.conformance.value, rtol=1e-12)
-    asked = [one.standing.asks for one in told.sensors if verdict == "undecidable"]
-    assert [str(one.text) for one in whole.standing.asks] == [
+    asked = [one.asks for one in told.sensors if verdict == "undecidable"]
+    assert [str(one.text) for one in whole.asks] == [
         str(one.text) for one in chain(*asked)
     ]
-    assert bool(whole.standing.asks) == (verdict == "undecidable")
+    assert bool(whole.asks) == (verdict == "undecidable")
     assert found.not_compared == ()
 
 
@@ -125,7 +125,7 @@ def test_every_row_of_the_catalogue_has_conditions_or_an_ask():
         need("60 arcsec", more),
     ):
         found = compare(budget.load_catalogue(), wanted, method="gum")
-        rows = [one.standing for one in (*found.entrants, *found.imus)]
+        rows = (*found.entrants, *found.imus)
         assert len(rows) > 100
         for one in rows:
             assert bool(one.asks) == (one.verdict == "undecidable")
