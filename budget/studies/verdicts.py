@@ -33,7 +33,6 @@ from budget.aiding import (
     believed,
     journey_of,
     overconfident,
-    problem_of_mission,
 )
 from budget.calibration.mission import Places, mission_outputs
 from budget.calibration.saturation import (
@@ -51,7 +50,7 @@ from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.known import Known
-from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
 from budget.missing import line_of, shipped_devices, usual_line
 from budget.missing.grades import FAMILIES, family
@@ -227,16 +226,14 @@ def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
         for name in mission_outputs(question.journey, times)
         if name.quantity == "attitude"
     ]
-    problem = problem_of_mission(
-        question.sensors, question.procedure, question.journey, attitudes
-    )
+    own = replace(question, asked=tuple(attitudes), requirement=None, only=None)
     return tuple(
         Condition(
             kind="first_order",
             line=attitudes[-1].group,
             text=text,
         )
-        for text in beyond_first_order(problem, propagate(problem))
+        for text in beyond_first_order(own.problem, own.law)
     )
 
 

@@ -15,7 +15,7 @@ from budget.documents import Documented, written
 from budget.methods.gum import propagate
 from budget.names import AXES, Name
 from budget.sentences import sentence
-from budget.studies.coupling import CouplingTable, coupling
+from budget.studies.evidence import CouplingTable, coupling
 from budget.units import ARCSEC, DEG_PER_HOUR
 from zhao_2019.conditions import PLACES, load_conditions, only_sources
 from zhao_2019.formulas import formula_findings

@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from budget.report.figures.rows import ChartMark
     from budget.report.tables import GroupTable
     from budget.results import Budget, OutputBudget, SobolIndex
-    from budget.studies.coupling import CouplingTable
+    from budget.studies.evidence import CouplingTable
 
     Part = tuple[Name, float]  # a source, and its share of a variance
 

@@ -30,7 +30,7 @@ from budget.report.tables import group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze
-from budget.studies.coupling import coupling
+from budget.studies.evidence import coupling
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import DEG_PER_HOUR, MICRO_G
 
@@ -115,7 +115,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
     budget = analyze(ZHAO, procedure=procedure, validate=False)
     groups = group_tables(budget)
     biases = [group for group in groups if group.parameter == "bias"]
-    table = coupling(ZHAO.sensors, procedure)
+    table = coupling(budget.question)
 
     assert [group.sensor for group in biases] == ["gyro", "accelerometer"]
     for group in biases:
