@@ -41,6 +41,7 @@ from budget.model.source import (
     TurnOnChange,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources.outside import watched
 from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
 from budget.problem import Group, Output, Problem, arguments
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
+    from budget.problem import Function
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -112,7 +114,11 @@ def calibration_problem(
     )
     frame = _frame(structure)
     members = structure.members(frame.statistics, only=only)
-    return replace(frame.problem, groups=tuple(group for _, group in members))
+    return Problem(
+        groups=tuple(group for _, group in members),
+        outputs=frame.outputs,
+        function=frame.function,
+    )
 
 
 def retimed(
@@ -259,7 +265,8 @@ class _Frame:
     """What devices of one structure share: all of a Problem but its groups."""
 
     statistics: Mapping[str, Statistics]
-    problem: Problem
+    outputs: tuple[Output, ...]
+    function: Function
 
 
 @lru_cache(maxsize=FRAMES)
@@ -291,7 +298,9 @@ def _frame(of: _Structure) -> _Frame:
     if of.outputs is not None:
         outputs = [made[name] for name in of.outputs]
         problem = problem.then(combination(names, of.outputs), outputs)
-    return _Frame(statistics=statistics, problem=problem)
+    return _Frame(
+        statistics=statistics, outputs=problem.outputs, function=problem.function
+    )
 
 
 def _design(sensor: Sensor) -> tuple[bytes, bytes]:
@@ -337,6 +346,12 @@ class _Row:
     def acts_on(self, kind: str) -> bool:
         """Whether it can reach a triad: its own, or all from outside the sensors."""
         return self.owner in {kind, STATION, ENVIRONMENT}
+
+    def act_on(self, triad: Triad, effect: Disturbance) -> Act | None:
+        """Return what it does to a triad under test; None: nothing."""
+        is_felt = self.given.u.any() and _is_tested(triad)
+        act = effect.bind(self.given, triad) if is_felt else None
+        return watched(act, self.source) if act and self.source.origin else act
 
     def group(
         self,
@@ -724,8 +739,7 @@ def _calibration(
                 if order == effect.order:
                     constant = _Constant(now=place, later=None)
                     offsets[quantity] = (*offsets.get(quantity, ()), constant)
-            is_felt = row.given.u.any() and _is_tested(triad)
-            act = effect.bind(row.given, triad) if is_felt else None
+            act = row.act_on(triad, effect)
             if act is not None:
                 part = effect.part(triads, number)
                 rows = range(place.start, place.stop)[part]
