@@ -40,7 +40,7 @@ from budget.results import (
 )
 from budget.settings import Settings
 from budget.studies.coupling import Coupling, CouplingTable
-from budget.studies.densities import Density
+from budget.studies.densities import ErrorDensity
 from budget.ties import largest
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
 
@@ -552,7 +552,7 @@ def make_density(limit=0.1, mean=0.0):
     density = np.exp(-0.5 * ((middle - mean) / u) ** 2)
     density /= (density * np.diff(edges)).sum()
     ends = (mean - 1.96 * u, mean + 1.96 * u)
-    return Density(
+    return ErrorDensity(
         output=Output(
             name=Name("bias", owner="gyro", axis="z"),
             unit="deg/h",

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
+    from budget.problem import Function
 
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
@@ -112,7 +113,11 @@ def calibration_problem(
     )
     frame = _frame(structure)
     members = structure.members(frame.statistics, only=only)
-    return replace(frame.problem, groups=tuple(group for _, group in members))
+    return Problem(
+        groups=tuple(group for _, group in members),
+        outputs=frame.outputs,
+        function=frame.function,
+    )
 
 
 def retimed(
@@ -259,7 +264,8 @@ class _Frame:
     """What devices of one structure share: all of a Problem but its groups."""
 
     statistics: Mapping[str, Statistics]
-    problem: Problem
+    outputs: tuple[Output, ...]
+    function: Function
 
 
 @lru_cache(maxsize=FRAMES)
@@ -291,7 +297,9 @@ def _frame(of: _Structure) -> _Frame:
     if of.outputs is not None:
         outputs = [made[name] for name in of.outputs]
         problem = problem.then(combination(names, of.outputs), outputs)
-    return _Frame(statistics=statistics, problem=problem)
+    return _Frame(
+        statistics=statistics, outputs=problem.outputs, function=problem.function
+    )
 
 
 def _design(sensor: Sensor) -> tuple[bytes, bytes]:

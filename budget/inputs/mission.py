@@ -26,7 +26,7 @@ from budget.inputs.aiding import (
 from budget.inputs.checking import check
 from budget.inputs.course import Level, TemperaturePart, VibrationPart, stretches
 from budget.inputs.fields import (
-    Group,
+    FieldGroup,
     Measured,
     Rule,
     Ruled,
@@ -328,7 +328,7 @@ class SegmentLine(Ruled):
             yield (), self
 
 
-class SegmentItem(Group, SegmentLine):
+class SegmentItem(FieldGroup, SegmentLine):
     """A segment, or a group of segments that is repeated as a whole."""
 
     key: ClassVar = "segments"
@@ -862,13 +862,14 @@ def _recorded(document: YamlFile, part: MissionPart) -> Recorded:
     messages: Faults = {**part.late(end), **part.aiding_faults(end)}
     if part.alignment == SELF and recorded.first_speed > LEAST_SPEED:
         messages["alignment",] = MOVING.format(speed=f"{recorded.first_speed:.6g}")
-    for begin, stop in part.spans.get(ZERO_VELOCITY, ()) if not messages else ():
-        speed = _largest_speed(recorded.track, begin, stop)
-        if speed > LEAST_SPEED:
-            messages["aiding", ZERO_VELOCITY, "during"] = (
-                f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} "
-                "s; expected times at which it stands"
-            )
+    moving = [
+        f"has the vehicle at {speed:.6g} m/s between {begin:g} s and {stop:g} s; "
+        "expected times at which it stands"
+        for begin, stop in part.spans.get(ZERO_VELOCITY, ())
+        if (speed := _largest_speed(recorded.track, begin, stop)) > LEAST_SPEED
+    ]
+    if moving and not messages:
+        messages["aiding", ZERO_VELOCITY, "during"] = moving[-1]
     if messages:
         at = ((("mission", *steps), text) for steps, text in messages.items())
         raise document.refuse(*at)

@@ -62,7 +62,7 @@ from budget.units import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from budget.inputs.makers import Density
     from budget.model.source import Source
@@ -773,40 +773,29 @@ def read_value(
     """
     if isinstance(given, Quantity):
         given = _family(line, sensor)(value=given)
-    readings: tuple[str, ...] = getattr(given, "reading", ())
-    if isinstance(given, WalkValue) and given.is_open and not readings:
-        sided = {one: _under(line, sensor, given, one) for one in SIDES}
-        return _of_sides(sided, Name(line.name, owner=sensor), known)
-    if not readings:
-        return _read(line, sensor, given)
     # In an order that is not the file's: of equal ones, what stays in this line.
-    readings = tuple(sorted(readings, key=_ORDER.index))
-    read = [_under(line, sensor, given, word) for word in readings]
-    place = first_largest([one.line.largest for one in read])
+    words = tuple(sorted(getattr(given, "reading", ()), key=_ORDER.index))
+    is_sided = isinstance(given, WalkValue) and given.is_open and not words
+    words = SIDES if is_sided else words
+    if not words:
+        return _read(line, sensor, given)
+    read = {word: _under(line, sensor, given, word) for word in words}
+    lines = tuple((word, one.line) for word, one in read.items())
     key = Name(line.name, owner=sensor)
-    said = sentence("values.open", key=key, readings=readings, taken=readings[place])
-    lines = tuple((word, one.line) for word, one in zip(readings, read, strict=True))
-    return ReadValue(
-        line=replace(read[place].line, readings=lines),
-        assumptions=(said, *read[place].assumptions),
-    )
-
-
-def _of_sides(
-    sided: Mapping[str, ReadValue], key: Name, known: Density | None
-) -> ReadValue:
-    """Return a density as its maker means it, or as the larger where it is open."""
-    if known is None:
-        taken, text = sided[TWO_SIDED], sentence("values.density")
-        readings = tuple((word, one.line) for word, one in sided.items())
-        taken = replace(taken, line=replace(taken.line, readings=readings))
+    if is_sided and known is not None:
+        taken, lines = known.sides, ()
+        text = sentence("values.density_of_maker", sides=taken, source=known.source)
+        said = sentence("assumed.of", key=key, text=text)
+    elif is_sided:
+        taken = TWO_SIDED
+        said = sentence("assumed.of", key=key, text=sentence("values.density"))
     else:
-        taken = sided[known.sides]
-        text = sentence(
-            "values.density_of_maker", sides=known.sides, source=known.source
-        )
-    said = sentence("assumed.of", key=key, text=text)
-    return replace(taken, assumptions=(said, *taken.assumptions))
+        taken = words[first_largest([one.largest for _, one in lines])]
+        said = sentence("values.open", key=key, readings=words, taken=taken)
+    return ReadValue(
+        line=replace(read[taken].line, readings=lines),
+        assumptions=(said, *read[taken].assumptions),
+    )
 
 
 def _under(

@@ -228,6 +228,8 @@ INKS = {
 }
 INK_OF = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
 ELEMENT = re.compile(r'<(?P<tag>\w+) [^>]*?\bid="(?P<id>[^"]+)"[^>]*?(?P<empty>/?)>')
+ID = re.compile(r' id="([^"]+)"')
+REFERENCE = re.compile(r'(?:url\(|href=")#([^)"]+)')  # to an element of a drawing
 PROLOG = re.compile(
     r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
 )
@@ -238,8 +240,8 @@ def svg_element(
 ) -> str:
     """Turn an SVG file of `style.to_svg` into an element of HTML with the page's inks.
 
-    It has no prolog and no size; its ids begin with `name`, tips go by the gid of the
-    element that they belong to.
+    It has no prolog and no size, and no ids but those that it refers to, which begin
+    with `name`; tips go by the gid of the element that they belong to.
 
     Raises
     ------
@@ -250,6 +252,8 @@ def svg_element(
     head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
     rest = INK_OF.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
     rest = _with_tips(rest, {f"{name}-{gid}": tip for gid, tip in (tips or {}).items()})
+    named = {*REFERENCE.findall(rest)}
+    rest = ID.sub(lambda one: one[0] if one[1] in named else "", rest)
     return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
 
 

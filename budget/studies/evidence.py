@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget
     from budget.studies.cautions import Unfelt
     from budget.studies.coupling import CouplingTable
-    from budget.studies.densities import Density
+    from budget.studies.densities import ErrorDensity
     from budget.studies.what_if import WhatIf
 
 
@@ -26,7 +26,7 @@ class Evidence:
     coupling: CouplingTable | None  # which source reaches what, by the law
     # How the errors of the critical outputs are distributed; by Monte Carlo. () where
     # the law is confirmed and nobody asks.
-    densities: tuple[Density, ...]
+    densities: tuple[ErrorDensity, ...]
     what_if: WhatIf  # the budget as a function of the sizes of its sources
     unfelt: tuple[Unfelt, ...]  # what is given and reaches no output
 

@@ -18,6 +18,7 @@ quantile of the largest error over its limit (budget.studies.jointly), by the tr
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import exp, pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -80,11 +81,19 @@ class Marks:
     @classmethod
     def of(cls, each: Array) -> Marks:
         """Pack an array of bool, shape (trials,)."""
+        if (n := np.count_nonzero(each)) in {0, each.size}:
+            return _alike_marks(each.size, is_inside=n > 0)
         return cls(bits=np.packbits(each.astype(bool)), size=each.size)
 
     def first(self, number: int) -> NDArray[np.bool_]:
         """Return the marks of the first trials, bool, shape (number,)."""
         return np.unpackbits(self.bits, count=number).astype(bool)
+
+
+@lru_cache(maxsize=8)
+def _alike_marks(size: int, *, is_inside: bool) -> Marks:
+    """Return marks that are all the same, which most devices share."""
+    return Marks(bits=np.packbits(np.full(size, is_inside)), size=size)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

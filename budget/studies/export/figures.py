@@ -77,7 +77,7 @@ class Missing:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class KnownFigures:
     """What is known of one triad.
 
     Attributes
@@ -129,7 +129,7 @@ def print_values(values: Array) -> str:
     )
 
 
-def origin(known: Known, line: ErrorLine) -> str:
+def origin(known: KnownFigures, line: ErrorLine) -> str:
     """Say what a line is and where it is printed."""
     if told := known.filled.get(known.name(line.name)):
         return f"{known.name(line.name)}: {told.words}"
@@ -138,7 +138,7 @@ def origin(known: Known, line: ErrorLine) -> str:
     return f"{known.name(line.name)}: {line.printed} ({words})"
 
 
-def _noise(known: Known) -> Figure | Missing:
+def _noise(known: KnownFigures) -> Figure | Missing:
     """Return the density of white noise [SI unit/sqrt(Hz)], two-sided."""
     kind = known.sensor.kind
     walk = known.sensor.line(walk_of(kind))
@@ -167,13 +167,13 @@ def _noise(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="N", lines=tuple(given), steps=tuple(steps))
 
 
-def _walk_line(known: Known) -> ErrorLine | None:
+def _walk_line(known: KnownFigures) -> ErrorLine | None:
     """Return the random walk of the rate or acceleration."""
     names = ("rate_random_walk", "acceleration_random_walk")
     return next((line for line in known.sensor.lines if line.name in names), None)
 
 
-def _walk(known: Known) -> Figure | Missing:
+def _walk(known: KnownFigures) -> Figure | Missing:
     """Return the random walk of the bias [SI unit/s/sqrt(Hz)]."""
     line = _walk_line(known)
     if line is None:
@@ -189,7 +189,7 @@ def _walk(known: Known) -> Figure | Missing:
     )
 
 
-def _quadratic(known: Known) -> Figure | Missing:
+def _quadratic(known: KnownFigures) -> Figure | Missing:
     """Return K2, the coefficient of the square of the input [1/SI unit]."""
     line = known.sensor.line("scale_factor_quadratic")
     if line is None:
@@ -200,7 +200,7 @@ def _quadratic(known: Known) -> Figure | Missing:
     return Figure(value=line.u, symbol="K2", lines=(line.name,), steps=steps)
 
 
-def _stability(known: Known) -> Figure | Missing:
+def _stability(known: KnownFigures) -> Figure | Missing:
     """Return sigma of the Gauss-Markov process [SI]."""
     line = known.sensor.line("bias_stability")
     if line is None:
@@ -220,7 +220,7 @@ def _stability(known: Known) -> Figure | Missing:
     )
 
 
-def _time(known: Known) -> Figure | Missing:
+def _time(known: KnownFigures) -> Figure | Missing:
     """Return the correlation time of the Gauss-Markov process [s]."""
     line = known.sensor.line("bias_stability")
     if line is None:
@@ -234,7 +234,7 @@ def _time(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,), power=0)
 
 
-def _drift(known: Known) -> Figure | Missing:
+def _drift(known: KnownFigures) -> Figure | Missing:
     """Return the random walk that the drift of the bias looks like [.../s/sqrt(Hz)]."""
     walk, sigma, time = (
         known.figure(key) for key in ("walk", "stability", "correlation_time")
@@ -271,7 +271,7 @@ def _drift(known: Known) -> Figure | Missing:
     )
 
 
-def _driving(known: Known) -> Figure | Missing:
+def _driving(known: KnownFigures) -> Figure | Missing:
     """Return the density of the noise that drives the process [SI/sqrt(s)]."""
     sigma, time = known.figure("stability"), known.figure("correlation_time")
     if isinstance(sigma, Missing) or isinstance(time, Missing):
@@ -286,7 +286,7 @@ def _driving(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="q", lines=sigma.lines, steps=steps)
 
 
-def _memory(known: Known) -> Figure | Missing:
+def _memory(known: KnownFigures) -> Figure | Missing:
     """Return phi, what is left of the process after one sample [1]."""
     time = known.figure("correlation_time")
     if isinstance(time, Missing):
@@ -300,7 +300,7 @@ def _memory(known: Known) -> Figure | Missing:
     return Figure(value=phi, symbol="phi", lines=time.lines, steps=steps, power=0)
 
 
-def _step(known: Known) -> Figure | Missing:
+def _step(known: KnownFigures) -> Figure | Missing:
     """Return what one sample adds to the process [SI]."""
     sigma, memory = known.figure("stability"), known.figure("memory")
     if isinstance(sigma, Missing) or isinstance(memory, Missing):
@@ -317,10 +317,12 @@ def _step(known: Known) -> Figure | Missing:
     )
 
 
-def _constant(parameter: str, expected: str) -> Callable[[Known], Figure | Missing]:
+def _constant(
+    parameter: str, expected: str
+) -> Callable[[KnownFigures], Figure | Missing]:
     """Return what finds the spread of a parameter, raw or after a calibration."""
 
-    def find(known: Known) -> Figure | Missing:
+    def find(known: KnownFigures) -> Figure | Missing:
         axes = PARAMETERS[parameter]
         names = [Name(parameter, owner=known.sensor.kind, axis=axis) for axis in axes]
         raw = _raw(known, parameter, expected)
@@ -355,7 +357,7 @@ def _constant(parameter: str, expected: str) -> Callable[[Known], Figure | Missi
     return find
 
 
-def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
+def _raw(known: KnownFigures, parameter: str, expected: str) -> Figure | Missing:
     """Return the root sum square of the lines that shift a parameter."""
     kind = known.sensor.kind
     lines = [
@@ -379,7 +381,7 @@ def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
     )
 
 
-def _total_bias(known: Known) -> Figure | Missing:
+def _total_bias(known: KnownFigures) -> Figure | Missing:
     """Return the spread of the bias at the start: the constant with the process."""
     bias, sigma = known.figure("bias"), known.figure("stability")
     if isinstance(bias, Missing) or isinstance(sigma, Missing):
@@ -406,7 +408,7 @@ def _unit_of(kind: str, parameter: str) -> str:
     return units.get(parameter, f" {_unit(kind)}")
 
 
-QUANTITIES: Mapping[str, Callable[[Known], Figure | Missing]] = {
+QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure | Missing]] = {
     "noise": _noise,
     "walk": _walk,
     "drift": _drift,

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import pickle
-from concurrent.futures import Executor, Future
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import SMALL, device, paper_device, requirement
+from comparison_examples import SMALL, Elsewhere, device, paper_device, requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError
@@ -227,22 +225,6 @@ def test_nothing_known_of_a_device_is_no_best_one():
 
     assert [row.name for row in listed(found)] == ["paper"]
     assert [row.name for row in found.nothing_known] == ["empty"]
-
-
-def sent(something):
-    """Return what arrives of something at another process."""
-    return pickle.loads(pickle.dumps(something))  # noqa: S301 - written here
-
-
-class Elsewhere(Executor):
-    """Another process, as far as what is sent and what comes back goes: copies."""
-
-    def submit(self, work, /, *tasks):
-        """Do what has arrived, and send back what it returns."""
-        future = Future()
-        work, tasks = sent((work, tasks))
-        future.set_result(sent(work(*tasks)))
-        return future
 
 
 def test_workers_change_nothing():
