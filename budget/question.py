@@ -564,6 +564,22 @@ class Question:
             return None
         return Limited.of(self.problem, self.requirement)
 
+    @property
+    def limits(self) -> Limited:
+        """Its Problem with the limits on it.
+
+        Raises
+        ------
+        CallError
+            Nothing is required of it.
+        """
+        if self.held is None:
+            raise CallError(
+                f"{self.wanted.name} limits nothing of the {self.owner}; "
+                "add limits for it, or leave it out"
+            )
+        return self.held
+
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:
         """What is asked for and what is limited; None: all parameters, no others."""
