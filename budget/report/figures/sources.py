@@ -32,13 +32,13 @@ from budget.report.figures.style import (
     ON_DARK,
     OTHER,
     PAPER,
-    STYLES,
     WIDE,
     WIDTH,
     Scale,
     fits,
     in_order,
     look_of,
+    looks,
 )
 from budget.report.figures.tabled import CELL, entries, heads_of
 from budget.report.pages import figure
@@ -217,7 +217,7 @@ def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
     bar = [
         (name, shares[name])
         for name in in_order(shares)
-        if name.quantity in STYLES and shares[name] >= SMALL_SHARE
+        if name.quantity in looks() and shares[name] >= SMALL_SHARE
     ]
     rest = fsum(shares.values()) - fsum(share for _, share in bar)
     small = any(0.0 < share < SMALL_SHARE for share in shares.values())

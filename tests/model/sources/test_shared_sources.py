@@ -18,12 +18,13 @@ from budget.inputs.records import ErrorLine
 from budget.methods.gum import propagate
 from budget.model.response import BIAS
 from budget.model.source import TEST, Disturbance, Source
-from budget.model.sources import SOURCES, STATION
+from budget.model.sources import SOURCES, STATION, lines_of, source_of
 from budget.names import Name
 from budget.question import Question
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.figures.sources import coupling_chart, share_chart
+from budget.report.figures.style import looks
 from budget.report.inputs import inputs_section
 from budget.report.tables import group_tables
 from budget.studies.allocation.allocate import allocate
@@ -55,9 +56,15 @@ class Push(Disturbance):
         return act
 
 
+def forget():
+    """Ask for the table of sources anew."""
+    for one in (lines_of, source_of, looks):
+        one.cache_clear()
+
+
 @pytest.fixture
 def procedure(monkeypatch):
-    """Return the paper's procedure at a station that pushes."""
+    """Yield the paper's procedure at a station that pushes."""
     source = Source(
         name="push",
         units={STATION: "ppm"},
@@ -75,7 +82,10 @@ def procedure(monkeypatch):
         unit="ppm",
         si_per_unit=1.0,
     )
-    return replace(load_procedure(), station=(line,))
+    forget()
+    yield replace(load_procedure(), station=(line,))
+    monkeypatch.undo()
+    forget()
 
 
 @pytest.fixture
