@@ -182,6 +182,8 @@ def predict(
     Prediction or None
         None where no line can be predicted.
     """
+    if not missing:
+        return None
     known = _Member.of(device, catalogue)
     meant = known.device
     if technology is not None:
@@ -194,7 +196,11 @@ def predict(
 
 def prepare(devices: Iterable[Device], catalogue: Sequence[Device]) -> None:
     """Fit what predictions of several devices take: at once, which is sooner done."""
-    members = [_Member.of(one, catalogue) for one in devices]
+    members = [
+        _Member.of(one, catalogue)
+        for one in devices
+        if any(sensor.expected_missing for sensor in one.sensors)
+    ]
     untold = [one for one in members if _known_family(one.device) == ""]
     _fit_all(members, None)
     for word in FAMILIES if untold else ():
