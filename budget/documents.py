@@ -66,7 +66,7 @@ MADE: Mapping[str, Read] = {
 ATOMS = (str, float, int)
 
 
-class Row:
+class FormRow:
     """What a form says of one key, ready to write it."""
 
     def __init__(self, said: re.Match[str], reads: Mapping[str, Read]) -> None:
@@ -140,7 +140,7 @@ class Form:
     reads: Mapping[str, Read]
 
     @cached_property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[FormRow, ...]:
         """Its rows.
 
         Raises
@@ -158,7 +158,7 @@ class Form:
         if None in found:
             line = lines[found.index(None)]
             raise ValueError(f"form {self.name}: found {line!r}, expected a row")
-        return tuple(Row(one, self.reads) for one in found if one is not None)
+        return tuple(FormRow(one, self.reads) for one in found if one is not None)
 
     @cached_property
     def columns(self) -> dict[str, list[str]]:

@@ -41,7 +41,6 @@ from budget.calibration.mission import (
 from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    NORM,
     calibrates,
     initial_lines,
     is_beside,
@@ -63,6 +62,7 @@ from budget.missing.expected import (
     lacking,
     lacking_of_mission,
 )
+from budget.model.estimators import estimator_of
 from budget.model.sources import (
     ACCELEROMETER,
     ENVIRONMENT,
@@ -677,7 +677,10 @@ def sensors_of(
     kept = tuple(one for one in found if calibrates(one.kind, procedure))
     if not kept:
         kinds = " and ".join(one.kind for one in found)
-        if procedure.formulas == NORM and ACCELEROMETER not in kinds:
+        if (
+            not estimator_of(procedure.formulas).knows_attitudes
+            and ACCELEROMETER not in kinds
+        ):
             raise CallError(
                 f"{procedure.name} calibrates accelerometers alone, by the norm of "
                 f"gravity, and what is given is a {kinds}; give a device with "

@@ -74,10 +74,22 @@ class Row:
     needed: bool = False
     default: Any = None
     type: str = ""  # of the field, as it is written there
+    name: str = ""  # of the field
     document: str | None = (
         None  # how its row begins; None: with its name, '': there is none
     )
     has_line: bool = False  # whether the table of methods has words of its own for it
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it is done unless one asks for it not to be."""
+        return self.default is True
+
+    @property
+    def flag(self) -> str:
+        """What one types."""
+        no = "no-" if self.is_on else ""
+        return self.option or f"--{no}{self.name.replace('_', '-')}"
 
     @property
     def text(self) -> str:
@@ -116,7 +128,7 @@ def every_row(kind: type) -> dict[str, Row]:
     if kind not in _KNOWN:
         bases: list[Any] = [one for one in kind.__mro__[::-1] if is_dataclass(one)]
         _KNOWN[kind] = {
-            one.name: replace(one.metadata["row"], type=str(one.type))
+            one.name: replace(one.metadata["row"], name=one.name, type=str(one.type))
             for base in bases
             for one in fields(base)
             if "row" in one.metadata
@@ -554,12 +566,7 @@ class Engine:
 
     def stage(self, what: str) -> Stage | None:
         """Return what a method calls with steps done and in all."""
-        return stage(self.progress, what)
-
-
-def stage(progress: Progress | None, what: str) -> Stage | None:
-    """Return what a method calls with steps done and in all; it need not know more."""
-    return None if progress is None else partial(progress, what)
+        return None if self.progress is None else partial(self.progress, what)
 
 
 def fills(asked: Asked) -> bool:

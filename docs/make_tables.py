@@ -8,8 +8,11 @@ from types import ModuleType
 from typing import Any
 
 import budget
-from budget.inputs.makers import READINGS
+from budget.cli import app
+from budget.cli.options import OutputFiles
+from budget.inputs.makers import readings
 from budget.report.schema import results_schema
+from budget.settings import CLI, Asked, Engine, Inputs, rows
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
 from zhao_2019.study import PaperStudy
 
@@ -20,7 +23,7 @@ MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
 def words() -> list[str]:
     """Return one row for each line: the words of makers, and how to read them."""
     rows = ["| makers print | line | before it is one |", "|---|---|---|"]
-    for one in READINGS:
+    for one in readings():
         for place, (line, names) in enumerate(one.words.items()):
             says = "as above" if place else one.says
             rows.append(f"| {', '.join(names)} | [`{line}`](#{one.anchor}) | {says} |")
@@ -72,6 +75,25 @@ def keys() -> list[str]:
     return [*rows, ""]
 
 
+def options() -> list[str]:
+    """Return one row for each option that several commands have: in which it is."""
+    found: dict[str, list[str]] = {}
+    for command in app.registered_commands:
+        name = command.callback.__name__ if command.callback else ""
+        for kind in (Inputs, Asked, Engine, OutputFiles):
+            for row in rows(kind, name, CLI).values():
+                found.setdefault(row.flag, []).append(name)
+    return [
+        "| option | commands |",
+        "|---|---|",
+        *(
+            f"| `{option}` | {', '.join(f'`{one}`' for one in names)} |"
+            for option, names in sorted(found.items())
+            if len(names) > 1
+        ),
+    ]
+
+
 def _name(ref: dict[str, Any]) -> str:
     """Return what a reference leads to."""
     return str(ref["$ref"]).rpartition("/")[2]
@@ -104,6 +126,7 @@ TABLES = {
     "export.md": ("targets", exports),
     "library.md": ("names", names),
     "documents.md": ("keys", keys),
+    "commands.md": ("options", options),
 }
 
 

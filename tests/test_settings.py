@@ -15,7 +15,7 @@ from places import EXAMPLE, PACKAGE, ROOT
 
 import budget
 from budget.cli import app
-from budget.cli.options import Output
+from budget.cli.options import OutputFiles
 from budget.settings import CLI, Asked, Engine, Inputs, every_row, rows
 
 NEW = """    depth: int = setting(
@@ -157,14 +157,12 @@ def test_every_option_of_a_row_is_in_the_help():
     jobs = set().union(
         *(
             row.jobs
-            for kind in (Asked, Engine, Inputs, Output)
+            for kind in (Asked, Engine, Inputs, OutputFiles)
             for row in every_row(kind).values()
         )
     )
     assert jobs - names == {"sweep"}
     for name in sorted(jobs & names):
         shown = call(name, "--help").out
-        for kind in (Asked, Inputs, Output):
-            for key, row in rows(kind, name, CLI).items():
-                no = "no-" if row.default is True else ""
-                assert (row.option or f"--{no}{key.replace('_', '-')}") in shown
+        for kind in (Asked, Inputs, OutputFiles):
+            assert all(row.flag in shown for row in rows(kind, name, CLI).values())

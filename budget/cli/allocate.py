@@ -64,7 +64,7 @@ def allocate(
         ),
     ] = None,
     asked: Asked,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Find the standard uncertainty that each specification may have.
 

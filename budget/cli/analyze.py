@@ -18,7 +18,7 @@ def analyze(
     inputs: Inputs,
     asked: Asked,
     engine: Engine,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Compute the error budget of a calibration, or of a mission after it.
 
@@ -43,7 +43,7 @@ def compute(
     inputs: Inputs,
     asked: Asked,
     engine: Engine,
-    out: options.Output,
+    out: options.OutputFiles,
     *,
     command: str,
 ) -> Budget:

@@ -87,7 +87,7 @@ def check(
         ),
     ] = None,
     engine: Engine,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Hold stored budgets against their files as they are now.
 
@@ -209,7 +209,7 @@ def take_all(
 def _check(
     context: typer.Context,
     names: list[str],
-    out: options.Output,
+    out: options.OutputFiles,
     *,
     root: Path | None,
     workers: int,
@@ -271,7 +271,7 @@ def validate(
     ],
     *,
     inputs: Inputs,
-    _out: options.Output,
+    _out: options.OutputFiles,
 ) -> None:
     """Check files and say everything that is wrong in them, with positions."""
     from budget.cli.output import printing

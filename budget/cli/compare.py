@@ -57,7 +57,7 @@ def compare(
             "device beyond its range.",
         ),
     ] = False,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Compare devices against a requirement, best first.
 

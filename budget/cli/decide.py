@@ -39,7 +39,7 @@ def decide(
     inputs: Inputs,
     asked: Asked,
     engine: Engine,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Say what to buy for a need: which device, after which calibration, and why.
 

@@ -26,7 +26,7 @@ def devices(
     kind: options.Kinds = None,
     grade: options.Grades = None,
     inputs: Inputs,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """List the devices that ship, or show every specification value of one.
 

@@ -34,7 +34,7 @@ def diff(
     *,
     inputs: Inputs,
     asked: Asked,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Set two budgets side by side, the largest change first.
 

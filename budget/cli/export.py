@@ -120,7 +120,7 @@ def export(
             show_default=False,
         ),
     ] = None,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Write the figures of a device as a filter or a simulator reads them.
 

@@ -19,7 +19,7 @@ def mission(
     inputs: Inputs,
     asked: Asked,
     engine: Engine,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Say how far off navigation is after a calibration, and the main contributors.
 

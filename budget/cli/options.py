@@ -185,7 +185,7 @@ _PAGES = "mission report compare decide allocate station check paper"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Output:
+class OutputFiles:
     """Where results go, as what, and what the exit code says."""
 
     exit_code: bool = setting(
@@ -310,7 +310,7 @@ def _spelled_out(command: Callable[..., None], *, job: str) -> Callable[..., Non
         each
         for one in own.parameters.values()
         for each in (
-            [_option(name, row) for name, row in found[one.name].items()]
+            [_option(row) for row in found[one.name].values()]
             if one.name in found
             else [one]
         )
@@ -320,7 +320,7 @@ def _spelled_out(command: Callable[..., None], *, job: str) -> Callable[..., Non
     def called(*arguments: object, **values: Any) -> None:  # noqa: ANN401 - as typer read them
         for record, kind in records.items():
             given = {
-                name: not values.pop(f"no_{name}") if _is_on(row) else values.pop(name)
+                name: not values.pop(f"no_{name}") if row.is_on else values.pop(name)
                 for name, row in found[record].items()
             }
             values[record] = ask(
@@ -345,12 +345,7 @@ def given(context: typer.Context, *kinds: type) -> list[str]:
     ]
 
 
-def _is_on(row: Row) -> bool:
-    """Say whether it is done unless one asks for it not to be."""
-    return row.default is True
-
-
-def _option(name: str, row: Row) -> Parameter:
+def _option(row: Row) -> Parameter:
     """Return an option as typer takes it."""
     kind: Any = _TYPES.get(row.type.partition(" |")[0], str)
     if row.takes in {*FILES, "page", "folder", "document"} and not row.words:
@@ -360,11 +355,11 @@ def _option(name: str, row: Row) -> Parameter:
     if row.several:
         kind = list[kind]
     default = None if row.several else row.default
-    option = row.option or f"--{name.replace('_', '-')}"
-    if _is_on(row):
-        name, option, default = f"no_{name}", f"--no-{name}", False
+    name = row.name
+    if row.is_on:
+        name, default = f"no_{name}", False
     told = typer.Option(
-        *([option, "--output"] if option == "-o" else [option]),
+        *([row.flag, "--output"] if row.flag == "-o" else [row.flag]),
         help=f"{row.help[:-1]}; may be given again." if row.several else row.help,
         rich_help_panel=row.panel,
         metavar=row.metavar,
@@ -440,7 +435,7 @@ def accepted(accept: str) -> tuple[str, ...]:
     return VERDICTS[: VERDICTS.index(accept) + 1]
 
 
-def check_exit_code(requirement: object, out: Output) -> None:
+def check_exit_code(requirement: object, out: OutputFiles) -> None:
     """Refuse options on the exit code where nothing sets it.
 
     Raises
@@ -462,7 +457,7 @@ def check_exit_code(requirement: object, out: Output) -> None:
         )
 
 
-def exit_by(assessment: Assessment | None, out: Output) -> None:
+def exit_by(assessment: Assessment | None, out: OutputFiles) -> None:
     """End with 1 where a requirement is not met, if the code is to say so.
 
     One with limits that were not judged is not met: the headline names them.

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     import typer
 
-    from budget.cli.options import Output
+    from budget.cli.options import OutputFiles
     from budget.report.blocks import Document, Section
     from budget.results import Budget
     from budget.settings import Inputs
@@ -68,7 +68,7 @@ def check_destinations(
 
 
 def check_files(
-    out: Output,
+    out: OutputFiles,
     inputs: Inputs,
     devices: Iterable[str] | None = None,
     *others: Path | None,
@@ -149,7 +149,7 @@ def print_page(sections: Iterable[Section], *, title: str = "") -> None:
 
 
 def deliver(
-    budget: Budget, out: Output, *, pages: Mapping[Path, str | bytes] | None = None
+    budget: Budget, out: OutputFiles, *, pages: Mapping[Path, str | bytes] | None = None
 ) -> None:
     """Print the budget for people, or the document asked for; write the files."""
     from budget.report.document import to_csv, to_json
@@ -199,7 +199,7 @@ def pages_of(
 
 
 def pages_asked(
-    context: typer.Context, out: Output, make: Callable[..., Document]
+    context: typer.Context, out: OutputFiles, make: Callable[..., Document]
 ) -> dict[Path, str | bytes]:
     """Return the contents of the files that were asked for, none where there are none.
 

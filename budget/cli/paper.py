@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @options.asking("paper")
-def paper(context: typer.Context, *, out: options.Output) -> None:
+def paper(context: typer.Context, *, out: options.OutputFiles) -> None:
     """Compute section 3 of Zhao 2019 again, with a verdict for every number in it.
 
     Table 1, the figures, the orders of magnitude in the text, the formulas and the

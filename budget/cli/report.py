@@ -55,7 +55,7 @@ def report(
             metavar="TEXT", help="Number of the report, printed under its title."
         ),
     ] = "",
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Write the error budget as a report: verdict first, then its basis.
 

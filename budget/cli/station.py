@@ -90,7 +90,7 @@ def station(
             help="Write what the figures may be together as a station file.",
         ),
     ] = None,
-    out: options.Output,
+    out: options.OutputFiles,
 ) -> None:
     """Say how good each figure of a test station must be, and which station will do.
 

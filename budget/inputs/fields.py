@@ -139,7 +139,7 @@ def _rules_of(kind: type[Ruled]) -> tuple[Rule, ...]:
     return tuple(rule for rules in every for rule in rules)[::-1]
 
 
-class Group(Ruled):
+class FieldGroup(Ruled):
     """Beside a line that may be repeated, a group of lines that is, as a whole."""
 
     key: ClassVar[str]  # of the lines of a group

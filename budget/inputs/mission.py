@@ -26,7 +26,7 @@ from budget.inputs.aiding import (
 from budget.inputs.checking import check
 from budget.inputs.course import Level, TemperaturePart, VibrationPart, stretches
 from budget.inputs.fields import (
-    Group,
+    FieldGroup,
     Measured,
     Rule,
     Ruled,
@@ -328,7 +328,7 @@ class SegmentLine(Ruled):
             yield (), self
 
 
-class SegmentItem(Group, SegmentLine):
+class SegmentItem(FieldGroup, SegmentLine):
     """A segment, or a group of segments that is repeated as a whole."""
 
     key: ClassVar = "segments"

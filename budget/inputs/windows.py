@@ -15,7 +15,7 @@ from pydantic import Field
 
 from budget.inputs.fields import (
     Angle,
-    Group,
+    FieldGroup,
     Measured,
     Rule,
     Ruled,
@@ -216,7 +216,7 @@ class WindowLine(Ruled):
         return f"turn {self.turns:+d} {self.turn} at {text}"
 
 
-class WindowItem(Group, WindowLine):
+class WindowItem(FieldGroup, WindowLine):
     """A line, or a group of lines that is repeated as a whole."""
 
     key: ClassVar = "windows"

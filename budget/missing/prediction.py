@@ -267,9 +267,9 @@ def _fit_all(members: Sequence[_Member], technology: str | None) -> list[Fit | N
         figures = [one.figures(technology) for one in those]
         near = None
         if technology is not None:
-            near = others.fits(
-                [() if one.is_printed else one.figures(None) for one in those]
-            )
+            untold = [() if one.is_printed else one.figures(None) for one in those]
+            if others.designs or all(untold):  # else there is nothing to be near
+                near = others.fits(untold)
         if others.designs or any(figures):
             fits = others.fits(figures, near=near)
             found |= dict(zip(places, fits, strict=True))

@@ -6,14 +6,13 @@ import re
 import warnings
 from dataclasses import dataclass
 from datetime import datetime
-from functools import wraps
 from html import escape
 from importlib.util import find_spec
 from io import BytesIO, StringIO
 from itertools import repeat
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -47,7 +46,7 @@ from budget.report.figures.outputs import (
     utilisation_chart,
     validity_chart,
 )
-from budget.report.figures.rows import draw
+from budget.report.figures.rows import Chart, draw
 from budget.report.figures.sources import (
     coupling_chart,
     group_shares_chart,
@@ -65,10 +64,9 @@ from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
-from budget.studies.coupling import coupling_by_law
 from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
-from budget.studies.evidence import gather_evidence
+from budget.studies.evidence import coupling, gather_evidence
 from budget.studies.export.study import Export
 from budget.studies.mission import Curve, curve, drawn_times
 from budget.studies.stations import Qualification
@@ -83,7 +81,8 @@ if TYPE_CHECKING:
 
     from budget.documents import Shown
     from budget.report.blocks import Block, Words
-    from budget.report.figures.rows import Chart
+    from budget.report.figures.tabled import Plot
+    from budget.report.figures.track import Way
     from budget.report.tables import GroupTable, OutputRow
     from budget.results import JudgedOutput, Study
 
@@ -445,74 +444,27 @@ def _sheets(budget: Budget) -> Iterator[tuple[str, list[Sequence[object]]]]:
     yield "Notes", [("", budget.title), *notes]
 
 
-def _has_sobol(budget: Budget) -> bool:
-    """Whether Sobol' indices were estimated."""
-    return any(part.sobol for row in budget.outputs for part in row.contributions)
-
-
-def _varies(budget: Budget) -> bool:
-    """Whether any output has a spread."""
-    return any(row.is_resolved for row in budget.outputs)
-
-
-def _is_mission(budget: Budget) -> bool:
-    """Whether its outputs are of a mission."""
-    return budget.mission is not None
-
-
-def _has_track(budget: Budget) -> bool:
-    """Whether the errors of position have a covariance at the times asked for."""
-    if not (_varies(budget) and _is_mission(budget)):
-        return False
-    return way_with_errors(budget, _curve(budget)) is not None
-
-
-def _critical(budget: Budget) -> Critical:
-    """Return the output that a figure of one shows where none is asked for."""
-    return Plots(budget)._critical("")  # noqa: SLF001 - of this module
-
-
 # Figures, and whether a budget has what each of them shows.
-DRAWN: dict[str, Callable[[Budget], bool]] = {
-    "allan": lambda budget: not _is_mission(budget),
-    "contributions": _varies,
-    "correlation": lambda budget: correlation_chart(budget) is not None,
-    "coupling": lambda budget: _varies(budget) and not _is_mission(budget),
-    "density": _varies,
-    "growth": lambda budget: _varies(budget) and _is_mission(budget),
-    "indices": _has_sobol,
-    "limits": lambda budget: budget.assessment is not None,
-    "overview": _varies,
-    "positions": lambda budget: not _is_mission(budget),
-    "schedule": lambda budget: bool(_schedule(budget)),
-    "shares": lambda budget: group_shares_chart(budget) is not None,
-    "track": _has_track,
-    "tornado": lambda budget: tornado_chart(_critical(budget)) is not None,
-    "validation": lambda budget: any(row.validation for row in budget.outputs),
-    "waterfall": lambda budget: waterfall_chart(_critical(budget)) is not None,
+DRAWN: dict[str, Callable[[Plots], bool]] = {
+    "allan": lambda own: not own.is_mission,
+    "contributions": lambda own: own.varies,
+    "correlation": lambda own: correlation_chart(own.budget) is not None,
+    "coupling": lambda own: own.varies and not own.is_mission,
+    "density": lambda own: own.varies,
+    "growth": lambda own: own.varies and own.is_mission,
+    "indices": lambda own: any(
+        part.sobol for row in own.budget.outputs for part in row.contributions
+    ),
+    "limits": lambda own: own.budget.assessment is not None,
+    "overview": lambda own: own.varies,
+    "positions": lambda own: not own.is_mission,
+    "schedule": lambda own: own.turns_and_dwells is not None,
+    "shares": lambda own: group_shares_chart(own.budget) is not None,
+    "track": lambda own: own.varies and own.is_mission and own.way is not None,
+    "tornado": lambda own: tornado_chart(own.critical()) is not None,
+    "validation": lambda own: any(row.validation for row in own.budget.outputs),
+    "waterfall": lambda own: waterfall_chart(own.critical()) is not None,
 }
-
-
-def _schedule(budget: Budget) -> Chart | None:
-    """Return turns and dwells of the test of a budget; None of no test."""
-    there = {row.sensor for row in budget.outputs}
-    sensors = [kind for kind in SENSORS if kind in there]
-    return schedule_chart(question_of(budget).procedure, sensors) if sensors else None
-
-
-P = ParamSpec("P")
-
-
-def _headed(
-    drawn: Callable[Concatenate[Plots, P], Figure],
-) -> Callable[Concatenate[Plots, P], Figure]:
-    """Give a figure that stands alone its finding, and what it is of."""
-
-    @wraps(drawn)
-    def made(self: Plots, /, *args: P.args, **options: P.kwargs) -> Figure:
-        return headed(drawn(self, *args, **options), self.budget.title)
-
-    return made
 
 
 @dataclass(frozen=True, repr=False)
@@ -523,99 +475,94 @@ class Plots:
 
     def __dir__(self) -> list[str]:
         """Return the figures that this budget has: what a notebook completes."""
-        return [name for name, has in DRAWN.items() if has(self.budget)]
+        return [name for name, has in DRAWN.items() if has(self)]
 
     def __repr__(self) -> str:
         """List them."""
         return f"<figures: {', '.join(dir(self))}>"
 
-    @_headed
+    def _shown(self, found: Chart | Plot | None, why: str = "") -> Figure:
+        """Return a figure under its finding and what it is of; say why there is none.
+
+        Raises
+        ------
+        CallError
+            There is none.
+        """
+        if found is None:
+            raise CallError(f"nothing to draw: {why}")
+        own = draw(found) if isinstance(found, Chart) else found.figure
+        return headed(own, self.budget.title)
+
     def overview(self) -> Figure:
         """Show U of every output."""
         chart = overview_chart(group_tables(self.budget))
-        return _drawn(chart, "no output has a spread")
+        return self._shown(chart, "no output has a spread")
 
-    @_headed
     def limits(self) -> Figure:
         """Show how much of its limit every required output uses."""
-        assessment = self.budget.assessment
-        if assessment is None:
-            raise CallError(
-                "the budget was not held against limits; give requirement= to analyze"
-            )
-        return draw(utilisation_chart(assessment))
+        judged = self.budget.assessment
+        why = "the budget was not held against limits; give requirement= to analyze"
+        return self._shown(utilisation_chart(judged) if judged else None, why)
 
-    @_headed
     def contributions(self, group: str = "") -> Figure:
         """Show what contributes to each output of a group, 'gyro.bias'.
 
         Without a name it is the group that uses most of its limit or, where nothing is
         required, the first.
         """
-        return draw(share_chart(self._group(group)))
+        return self._shown(share_chart(self._group(group)))
 
-    @_headed
     def shares(self) -> Figure:
         """Show what the variance of each group of outputs is made of."""
-        chart = group_shares_chart(self.budget)
-        return _drawn(chart, "it has no two groups of outputs with a spread")
+        why = "it has no two groups of outputs with a spread"
+        return self._shown(group_shares_chart(self.budget), why)
 
-    @_headed
     def tornado(self, group: str = "") -> Figure:
         """Show how far each source alone moves the critical output of a group."""
-        chart = tornado_chart(self._critical(group))
-        return _drawn(chart, "no two sources move that output")
+        chart = tornado_chart(self.critical(group))
+        return self._shown(chart, "no two sources move that output")
 
-    @_headed
     def waterfall(self, group: str = "") -> Figure:
         """Show how the sources add up to U of the critical output of a group."""
-        chart = waterfall_chart(self._critical(group))
-        return _drawn(chart, "no two sources move that output")
+        chart = waterfall_chart(self.critical(group))
+        return self._shown(chart, "no two sources move that output")
 
-    @_headed
     def correlation(self) -> Figure:
         """Show the correlation of all outputs that have one."""
-        return _drawn(correlation_chart(self.budget), "no two outputs are correlated")
+        chart = correlation_chart(self.budget)
+        return self._shown(chart, "no two outputs are correlated")
 
-    @_headed
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
-        sensor = self._sensor(sensor)
-        question = question_of(self.budget)
-        table = coupling_by_law(
-            question.problem, question.law, question.procedure.formulas
-        )
-        return _drawn(coupling_chart(table, sensor), f"no source affects the {sensor}")
+        sensor, table = self._sensor(sensor), coupling(question_of(self.budget))
+        chart = coupling_chart(table, sensor)
+        return self._shown(chart, f"no source affects the {sensor}")
 
-    @_headed
     def schedule(self) -> Figure:
         """Show turns and dwells of the test, to scale."""
-        return _drawn(
-            _schedule(self.budget), "there is no calibration, or it has no windows"
-        )
+        why = "there is no calibration, or it has no windows"
+        return self._shown(self.turns_and_dwells, why)
 
-    @_headed
     def positions(self) -> Figure:
         """Show the positions of the calibration: which axis is up, and which turns."""
-        question = question_of(self.budget)
-        kinds = [sensor.kind for sensor in question.sensors]
-        found = Positions.of(question.procedure, kinds)
-        return positions_plot(_found(found, "the calibration has no positions")).figure
+        own = question_of(self.budget)
+        found = Positions.of(own.procedure, [sensor.kind for sensor in own.sensors])
+        plot = positions_plot(found) if found else None
+        return self._shown(plot, "the calibration has no positions")
 
-    @_headed
     def allan(self, sensor: str = "") -> Figure:
         """Show the noise of a sensor's data sheet by averaging time, the first without.
 
         With the windows that the calibration averages.
         """
-        question = question_of(self.budget)
-        triads = {one.kind: one for one in question.sensors}
+        own = question_of(self.budget)
+        triads = {one.kind: one for one in own.sensors}
         triad = _choice(triads, sensor or next(iter(triads)))
-        found = Allan.of(triad, question.procedure)
+        found = Allan.of(triad, own.procedure)
         why = f"no specification of the {triad.kind} is noise"
-        return allan_plot(_found(found, why)).figure
+        return self._shown(allan_plot(found) if found else None, why)
 
-    @_headed
     def growth(self, error: str = "position.horizontal") -> Figure:
         """Show an error of a mission over time, its limits, and what makes it when.
 
@@ -627,32 +574,28 @@ class Plots:
         }
         found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
         judged = self.budget.assessment
-        limits = () if judged is None else judged.outputs
-        return growth_plot(_found(found, "nothing moves that error"), limits).figure
+        limits = judged.outputs if judged else ()
+        plot = growth_plot(found, limits) if found else None
+        return self._shown(plot, "nothing moves that error")
 
-    @_headed
     def track(self) -> Figure:
         """Show the track of a mission from above, with ellipses of its errors."""
-        found = way_with_errors(self.budget, _curve(self.budget))
         why = "the position has no covariance at the times that are asked for"
-        return track_plot(_found(found, why)).figure
+        return self._shown(track_plot(self.way) if self.way else None, why)
 
-    @_headed
     def validation(self, sensor: str = "") -> Figure:
         """Show the law against Monte Carlo, of a sensor, the first without."""
         why = (
             "GUM propagation was not validated; analyze with validate=True and "
             "method='gum'"
         )
-        return _drawn(validity_chart(self.budget, self._sensor(sensor)), why)
+        return self._shown(validity_chart(self.budget, self._sensor(sensor)), why)
 
-    @_headed
     def indices(self, sensor: str = "") -> Figure:
         """Show Sobol' indices, of a sensor, the first without."""
         why = "there are no Sobol' indices; analyze with samples=2048"
-        return _drawn(sobol_chart(self.budget, self._sensor(sensor)), why)
+        return self._shown(sobol_chart(self.budget, self._sensor(sensor)), why)
 
-    @_headed
     def density(self, output: str = "") -> Figure:
         """Show how the error of a critical output is distributed, the first without.
 
@@ -667,7 +610,7 @@ class Plots:
             )
         }
         density = _choice(found, output or next(iter(found), ""))
-        return density_plot(density, coverage=budget.settings.coverage).figure
+        return self._shown(density_plot(density, coverage=budget.settings.coverage))
 
     def _group(self, group: str) -> GroupTable:
         """Return the group of that name; see `contributions` for which without."""
@@ -678,7 +621,7 @@ class Plots:
             group = str(worst_of(assessment.outputs).output.name.group)
         return _choice(tables, group or next(iter(tables)))
 
-    def _critical(self, group: str) -> Critical:
+    def critical(self, group: str = "") -> Critical:
         """Return the output of a group that uses most of its limit, or is widest."""
         return Critical.of(self._group(group), self.budget.assessment)
 
@@ -686,6 +629,29 @@ class Plots:
         """Return the sensor that is asked for, the first of the budget without."""
         there = {row.sensor: row.sensor for row in self.budget.outputs}
         return _choice(there, sensor or next(iter(there)))
+
+    @property
+    def is_mission(self) -> bool:
+        """Whether its outputs are of a mission."""
+        return self.budget.mission is not None
+
+    @property
+    def varies(self) -> bool:
+        """Whether any output has a spread."""
+        return any(row.is_resolved for row in self.budget.outputs)
+
+    @property
+    def way(self) -> Way | None:
+        """The track, where errors of position have a covariance at the asked times."""
+        return way_with_errors(self.budget, _curve(self.budget))
+
+    @property
+    def turns_and_dwells(self) -> Chart | None:
+        """Those of the test; None of no test."""
+        there = {row.sensor for row in self.budget.outputs}
+        sensors = [kind for kind in SENSORS if kind in there]
+        procedure = question_of(self.budget).procedure
+        return schedule_chart(procedure, sensors) if sensors else None
 
 
 def _curve(budget: Budget) -> Curve:
@@ -715,15 +681,3 @@ def _choice(known: Mapping[str, T], name: str) -> T:
         there = ", ".join(known) or "nothing"
         raise CallError(f"found {name!r}, this budget can show: {there}")
     return known[name]
-
-
-def _drawn(chart: Chart | None, why: str) -> Figure:
-    """Draw a figure; say why there is none."""
-    return draw(_found(chart, why))
-
-
-def _found(one: T | None, why: str) -> T:
-    """Return what is to be drawn; say why there is nothing."""
-    if one is None:
-        raise CallError(f"nothing to draw: {why}")
-    return one

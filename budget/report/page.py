@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
-from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
+from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, looks
 from budget.report.formulas import Math, to_mathml
 from budget.report.inline import MINUS, Raised, bind, cut
 from budget.resources import own_templates, telling, template_environment
@@ -212,7 +212,7 @@ def _picture(picture: Picture, svg: str, name: str) -> Markup:
 
 def _model(model: Mapping[str, object]) -> Markup:
     """Write what the sliders compute from, with the colours of the figures."""
-    colours = {name: colour for name, (colour, _, _) in STYLES.items()}
+    colours = {name: colour for name, (colour, _, _) in looks().items()}
     return markup(
         script_safe(json.dumps({**model, "colours": colours}, allow_nan=False))
     )
@@ -228,6 +228,8 @@ INKS = {
 }
 INK_OF = re.compile(r"((?:fill|stroke): ?)(#[0-9a-fA-F]{6})")  # as matplotlib writes it
 ELEMENT = re.compile(r'<(?P<tag>\w+) [^>]*?\bid="(?P<id>[^"]+)"[^>]*?(?P<empty>/?)>')
+ID = re.compile(r' id="([^"]+)"')
+REFERENCE = re.compile(r'(?:url\(|href=")#([^)"]+)')  # to an element of a drawing
 PROLOG = re.compile(
     r"<title>.*?</title>|<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL
 )
@@ -238,8 +240,8 @@ def svg_element(
 ) -> str:
     """Turn an SVG file of `style.to_svg` into an element of HTML with the page's inks.
 
-    It has no prolog and no size; its ids begin with `name`, tips go by the gid of the
-    element that they belong to.
+    It has no prolog and no size, and no ids but those that it refers to, which begin
+    with `name`; tips go by the gid of the element that they belong to.
 
     Raises
     ------
@@ -250,6 +252,8 @@ def svg_element(
     head = re.sub(r' (xmlns(:\w+)?|width|height|version)="[^"]*"', "", head)
     rest = INK_OF.sub(lambda ink: ink[1] + INKS.get(ink[2], ink[2]), rest)
     rest = _with_tips(rest, {f"{name}-{gid}": tip for gid, tip in (tips or {}).items()})
+    named = {*REFERENCE.findall(rest)}
+    rest = ID.sub(lambda one: one[0] if one[1] in named else "", rest)
     return f'{head} role="img" aria-label="{escape(alt)}"{end}{rest}'
 
 

@@ -12,7 +12,7 @@ from importlib import import_module
 from types import GenericAlias, NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
-from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, Row
+from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, FormRow
 from budget.inputs.schema import DIALECT
 from budget.names import Name
 from budget.navigation.route import Outline
@@ -92,7 +92,7 @@ class Schema:
             }
         return {"$ref": f"#/$defs/{form.name}"}
 
-    def rows(self, form: Form) -> abc.Iterator[tuple[Row, Any, bool]]:
+    def rows(self, form: Form) -> abc.Iterator[tuple[FormRow, Any, bool]]:
         """Yield the rows of keys, each with its type and whether it is always there."""
         for row in form.rows:
             always = not (row.is_maybe or row.said["when"])
@@ -122,7 +122,7 @@ class Schema:
             return {"type": "array", "prefixItems": parts, **ends}
         return _of_simple(hint)
 
-    def hint(self, form: Form, row: Row) -> Any:  # noqa: ANN401 - as above
+    def hint(self, form: Form, row: FormRow) -> Any:  # noqa: ANN401 - as above
         """Return the type of what stands under a key, before it is JSON."""
         path = row.path
         if row.said["type"]:

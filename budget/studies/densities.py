@@ -29,7 +29,7 @@ BINS = 120
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Density:
+class ErrorDensity:
     """The distribution of the error of one output, and what the law says of it."""
 
     output: Output
@@ -53,7 +53,7 @@ def critical_densities(
     assessment: Assessment | None,
     *,
     trials: int = TRIALS,
-) -> tuple[Density, ...]:
+) -> tuple[ErrorDensity, ...]:
     """Draw the distributions of the outputs that decide, in their order.
 
     With an assessment they are the output of each parameter group with the largest
@@ -83,7 +83,7 @@ def critical_densities(
     for place, k in enumerate(rows):
         density, edges = np.histogram(values[place], bins=BINS, density=True)
         densities.append(
-            Density(
+            ErrorDensity(
                 output=problem.outputs[k],
                 trials=trials,
                 edges=edges,

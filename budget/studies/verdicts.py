@@ -33,7 +33,6 @@ from budget.aiding import (
     believed,
     journey_of,
     overconfident,
-    problem_of_mission,
 )
 from budget.calibration.mission import Places, mission_outputs
 from budget.calibration.saturation import (
@@ -45,31 +44,30 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, largest_of_test
 from budget.distributions import normal_coverage_factor
-from budget.inputs.makers import LINES_BY_WORD, bare
+from budget.inputs.makers import bare, lines_by_word
 from budget.inputs.records import JOINT
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.known import Known
-from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
 from budget.missing import line_of, shipped_devices, usual_line
 from budget.missing.grades import FAMILIES, family
 from budget.missing.prediction import stand_in
 from budget.model.course import Fading
-from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
+from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, SOURCES, source_of
 from budget.model.sources.later import (
     AGE,
     AGEING,
     MISSION_TEMPERATURE,
+    RECTIFICATION,
     TEST_VIBRATION,
     growth,
 )
 from budget.model.sources.temperature import (
-    BIAS_COEFFICIENT,
     COEFFICIENTS,
     RATE_COEFFICIENT,
-    SCALE_COEFFICIENT,
 )
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Condition, Verdict
@@ -77,7 +75,6 @@ from budget.sentences import sentence
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
-    QUANTIZATION,
     at_most,
     ceilings,
     largest_printed,
@@ -118,12 +115,14 @@ MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 LATER = "next_turn_on"  # the error reference that a use is of
 # By the parameter: coefficient, and the residual over temperature that says it too.
 BY_TEMPERATURE = {
-    "bias": (BIAS_COEFFICIENT, "bias_over_temperature"),
-    "scale_factor": (SCALE_COEFFICIENT, "scale_factor_over_temperature"),
+    getattr(one.effect, "target", ""): (one.left_of[0], one.name)
+    for one in SOURCES
+    if one.left_of
 }
+# Lines of which a sheet has to say more than a value, and one that a level use needs.
 NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
 STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
-RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
+G_SENSITIVITY, QUANTIZATION = "g_sensitivity", "quantization"
 MEMS = "mems"
 NOT_MEMS = {*FAMILIES, "optical"} - {MEMS}
 SATURATES, NO_TIME = "saturates", "no_correlation_time"
@@ -147,14 +146,6 @@ IN_TEST = {
     "vibration": (RECTIFICATION,),
 }
 SHORT = 1.0  # correlation time of a bias stability that is none [s]
-# By the line of a sensor: the use that it acts in.
-USE_OF = {
-    **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
-    "bias_over_temperature": "temperature",
-    "scale_factor_over_temperature": "temperature",
-    RECTIFICATION: "vibration",
-    **dict.fromkeys(AGEING.values(), "age"),
-}
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
@@ -235,16 +226,14 @@ def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
         for name in mission_outputs(question.journey, times)
         if name.quantity == "attitude"
     ]
-    problem = problem_of_mission(
-        question.sensors, question.procedure, question.journey, attitudes
-    )
+    own = replace(question, asked=tuple(attitudes), requirement=None, only=None)
     return tuple(
         Condition(
             kind="first_order",
             line=attitudes[-1].group,
             text=text,
         )
-        for text in beyond_first_order(problem, propagate(problem))
+        for text in beyond_first_order(own.problem, own.law)
     )
 
 
@@ -1248,7 +1237,7 @@ def cautions_of(question: Question) -> tuple[Condition, ...]:
 def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Condition]:
     """Yield what a line that is given leaves open in the use that is stated."""
     stated = stated_of(question.procedure) if question.is_later else {}
-    key = USE_OF.get(line.name, "")
+    key = source_of(name.owner, line.name).use
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
     if is_idle and key not in _exercised_in_test(question):
         yield Condition(
@@ -1390,7 +1379,7 @@ def _of_sheet(sensor: Sensor) -> Iterator[Condition]:
         yield Condition(kind="range", line=Name("range", owner=sensor.kind), text=text)
     for line in sensor.lines:
         name = Name(line.name, owner=sensor.kind)
-        key = USE_OF.get(line.name, "")
+        key = source_of(sensor.kind, line.name).use
         if key and line.u.any():
             text = sentence(
                 "conditions.acts_at_use", line=name, printed=line.printed, use=key
@@ -1409,7 +1398,7 @@ def _aside(device: Device) -> Iterator[Condition]:
         called = re.sub(r"\bacc(el)?\b", ACCELEROMETER, called)
         for sensor in device.sensors:
             _, _, after = f" {called} ".rpartition(f" {sensor.kind} ")
-            known = LINES_BY_WORD.get(bare(after), ())
+            known = lines_by_word().get(bare(after), ())
             for line in sensor.not_given:
                 is_called = line.quantity in known and line.quantity != QUANTIZATION
                 if is_called or f" {words(line.quantity)} " in f" {after}":

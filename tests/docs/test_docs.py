@@ -198,6 +198,7 @@ TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
         ("export.md", "`gyroscope_noise_density` [rad/s/sqrt(Hz)]"),
         ("library.md", "| `budget.analyze` | Compute the error budget"),
         ("documents.md", "| `contributions` | list of [contribution](#contribution) |"),
+        ("commands.md", "| `--exit-code` | `analyze`, `mission` |"),
     ],
 )
 def test_a_table_is_made_of_what_the_package_has(name, row):
@@ -208,7 +209,7 @@ def test_a_table_is_made_of_what_the_package_has(name, row):
     assert set(TABLES["TABLES"]) == {"datasheets.md", *MADE}
 
 
-MADE = ("export.md", "library.md", "documents.md")
+MADE = ("export.md", "library.md", "documents.md", "commands.md")
 
 
 def test_every_capability_names_its_oracle_and_the_test():

@@ -798,3 +798,20 @@ def test_what_no_model_uses_is_kept_as_printed(tmp_path):
     (figure,) = device.figures
     assert (figure.name, figure.value) == ("g-sensitivity", "1 deg/h/g")
     assert (figure.meaning, figure.condition) == ("1 \u03c3", "static")
+
+
+def test_what_does_not_go_together_is_said_at_once(tmp_path):
+    """Each thing at its key; a time beside a 0 that is meant is none of them."""
+    path = tmp_path / "d.yaml"
+    path.write_text(
+        "name: d\ngyro:\n  errors:\n    bias_stability: {value: 0 deg/h, "
+        "meaning: exact, correlation_time: 300 s}\n    angle_random_walk: "
+        "{value: 1 deg/sqrt(h), "
+        "density: one-sided, meaning: exact}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(SpecError) as error:
+        load_device(path)
+    line = "gyro.errors.angle_random_walk"
+    fields = [issue.field for issue in error.value.issues]
+    assert fields == [f"{line}.density", f"{line}.meaning"]

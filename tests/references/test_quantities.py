@@ -13,7 +13,7 @@ from budget.references.quantities import (
     MEANINGS,
     PART,
     _leaves,
-    _Place,
+    _Where,
 )
 from budget.report.schema import results_schema
 
@@ -51,7 +51,7 @@ def test_every_path_of_the_table_is_in_a_document(documents, job, texts, asked):
     found = {
         path
         for document in documents
-        for path, _, value in _leaves(document, "", _Place())
+        for path, _, value in _leaves(document, "", _Where())
         if value is not None
     }
     assert set(MEANINGS[job]) <= found

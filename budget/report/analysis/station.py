@@ -147,7 +147,7 @@ def _by_group(groups: Sequence[GroupTable], names: Collection[str]) -> list[floa
 
 
 @dataclass(frozen=True, kw_only=True)
-class Judged:
+class LimitedBudget:
     """A required output, and what it is made of."""
 
     row: OutputBudget
@@ -170,22 +170,24 @@ class Judged:
 
 def _judged(
     budget: Budget, owners: Sequence[str], assessment: Assessment | None
-) -> list[Judged]:
+) -> list[LimitedBudget]:
     """Return of each group of limits the output where these owners use most.
 
     Of those that have any spread.
     """
     rows = {row.output.name: row for row in budget.outputs if row.is_resolved}
-    groups: dict[Name, list[Judged]] = {}
+    groups: dict[Name, list[LimitedBudget]] = {}
     for one in assessment.judged if assessment else ():
         name = one.output.name
         if name in rows:  # not those of a mission
-            judged = Judged(row=rows[name], limit=one)
+            judged = LimitedBudget(row=rows[name], limit=one)
             groups.setdefault(name.group, []).append(judged)
     return [found for own in groups.values() if (found := _worst(own, owners))]
 
 
-def _worst(judged: Sequence[Judged], owners: Sequence[str]) -> Judged | None:
+def _worst(
+    judged: Sequence[LimitedBudget], owners: Sequence[str]
+) -> LimitedBudget | None:
     """Return the output where these owners use most of its limit."""
     used = [one.used_by(owners).exact for one in judged]
     return judged[first_largest(used)] if used else None

@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from budget.report.blocks import Table as DataTable
+    from budget.report.comparison.tables import DeviceRow as Device
     from budget.report.comparison.tables import Ranking
-    from budget.report.comparison.tables import Row as Device
     from budget.report.figures.rows import ChartMark
     from budget.results import JudgedOutput
     from budget.studies.figures_of_merit import Amount

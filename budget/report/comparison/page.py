@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.report.blocks import Block, Section
-    from budget.report.comparison.tables import Ranking, Request, Row
+    from budget.report.comparison.tables import DeviceRow, Ranking, Request
     from budget.studies.comparison.records import Comparison
 
 COMMAND = "budget compare"
@@ -86,7 +86,7 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
 def comparison_answer(
     comparison: Comparison,
     *,
-    order: Callable[[Row], Any] | None = None,
+    order: Callable[[DeviceRow], Any] | None = None,
     full: bool = False,
 ) -> tuple[Section, ...]:
     """Return what stands alone on a terminal: the answer, or with `full` all there is.

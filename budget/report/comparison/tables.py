@@ -56,7 +56,7 @@ SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class DeviceRow:
     """One sensor of one device, as texts; numbers are in per cent, without the sign."""
 
     rank: str  # '2', '2=' where it is tied with a neighbour
@@ -84,29 +84,31 @@ class Ranking:
     devices: tuple[Entrant, ...]  # best first
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
     under: str  # the procedure, '' where there is no other
-    order: Callable[[Row], Any] | None = None  # what rows are sorted by; None: the rank
+    order: Callable[[DeviceRow], Any] | None = (
+        None  # what rows are sorted by; None: the rank
+    )
 
     @cached_property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[DeviceRow, ...]:
         """The devices as texts."""
         return tuple(self._written(self.devices))
 
     @cached_property
-    def decided(self) -> tuple[Row, ...]:
+    def decided(self) -> tuple[DeviceRow, ...]:
         """The rows of devices that can be judged."""
         return tuple(row for row in self.rows if _is_decided(row.of))
 
     @cached_property
-    def measured(self) -> tuple[Row, ...]:
+    def measured(self) -> tuple[DeviceRow, ...]:
         """Those of them that read what they are asked for: a figure shows these."""
         return tuple(row for row in self.decided if not row.saturates)
 
-    def first(self, most: int) -> list[Row]:
+    def first(self, most: int) -> list[DeviceRow]:
         """Return the first of these; no more are written than it takes."""
         known = [one for one in self.devices if _is_decided(one)]
         return self._written(known[:most] if self.order is None else known)[:most]
 
-    def _written(self, devices: Sequence[Entrant]) -> list[Row]:
+    def _written(self, devices: Sequence[Entrant]) -> list[DeviceRow]:
         """Write rows of devices, in the order that is asked for."""
         places = map(id, self.devices)
         by_place = dict(zip(places, self._ranks, strict=True))
@@ -123,7 +125,7 @@ class Ranking:
         return line("comparison_parts", "subject", table=self)
 
     @cached_property
-    def best(self) -> Row | None:
+    def best(self) -> DeviceRow | None:
         """The best device that meets, if on conditions; None where none does."""
         return next(
             (
@@ -232,7 +234,7 @@ def print_bounds(one: Request) -> str:
 
 
 def rankings(
-    comparison: Comparison, *, order: Callable[[Row], Any] | None = None
+    comparison: Comparison, *, order: Callable[[DeviceRow], Any] | None = None
 ) -> tuple[Ranking, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
     return tuple(
@@ -254,7 +256,7 @@ def rankings(
 
 def side_by_side(
     found: Sequence[Ranking], sensor: str
-) -> list[tuple[Row, list[Row | None]]]:
+) -> list[tuple[DeviceRow, list[DeviceRow | None]]]:
     """Return the devices with one sensor under all procedures, as under the first.
 
     None: the procedure leaves the sensor out.
@@ -267,14 +269,14 @@ def side_by_side(
     ]
 
 
-def _row(one: Entrant, rank: str) -> Row:
+def _row(one: Entrant, rank: str) -> DeviceRow:
     """Write one row."""
     utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
     if one.utilisation.is_bound:
         utilisation = f"{AT_LEAST} {utilisation}"
     beyond = one.saturates
     is_open = one.rests_on_others or beyond
-    return Row(
+    return DeviceRow(
         rank=rank,
         device=one.name,
         verdict=words(one.verdict) if one.doubt is None else print_doubt(one.doubt),
@@ -366,7 +368,7 @@ class RankingColumn:
     """A column of the ranking, and what `--sort` puts it in order by."""
 
     key: str
-    order: Callable[[Row], Any]
+    order: Callable[[DeviceRow], Any]
 
     @property
     def head(self) -> str:
@@ -374,7 +376,7 @@ class RankingColumn:
         return line("comparison_parts", "head", key=self.key)
 
 
-def _undecided_last(row: Row, number: float) -> tuple[bool, float]:
+def _undecided_last(row: DeviceRow, number: float) -> tuple[bool, float]:
     """Order by a number, what cannot be decided last."""
     return row.of.verdict == "undecidable", number
 
@@ -442,7 +444,7 @@ def find_column(name: str) -> RankingColumn:
     )
 
 
-def merit_points(ranking: Ranking, merit: str) -> list[tuple[Row, Amount]]:
+def merit_points(ranking: Ranking, merit: str) -> list[tuple[DeviceRow, Amount]]:
     """Return the devices whose price, mass or power can be compared, cheapest first."""
     found = [
         (row, amount)

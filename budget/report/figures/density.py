@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from budget.studies.densities import Density
+    from budget.studies.densities import ErrorDensity
 
 LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
 HEIGHT = 156.0  # [pt]
@@ -47,7 +47,7 @@ INSIDE, BEYOND = 0.28, 0.75  # opacities of the one hue, within the limits and n
 PAGE = "figures_density"
 
 
-def density_plot(density: Density, *, coverage: float) -> Plot:
+def density_plot(density: ErrorDensity, *, coverage: float) -> Plot:
     """Show the density of one output: trials, the normal law over it, limits."""
     said, table = figure(
         PAGE,
@@ -69,7 +69,7 @@ def density_plot(density: Density, *, coverage: float) -> Plot:
     )
 
 
-def _draw(density: Density, share: str, said: SimpleNamespace) -> Figure:
+def _draw(density: ErrorDensity, share: str, said: SimpleNamespace) -> Figure:
     """Draw the density of trials, the normal law over it, intervals and limits."""
     drawing, scale = blank(HEIGHT), density.output.si_per_unit
     width, height = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BELOW
@@ -126,7 +126,7 @@ def _draw(density: Density, share: str, said: SimpleNamespace) -> Figure:
     return drawing
 
 
-def part_beyond(density: Density) -> float:
+def part_beyond(density: ErrorDensity) -> float:
     """Return the part of trials beyond the limit; a bin that it cuts counts in part."""
     if density.limit is None:
         return 0.0
@@ -136,7 +136,7 @@ def part_beyond(density: Density) -> float:
     return float((density.density * lost).sum())
 
 
-def _reach(density: Density) -> tuple[float, float]:
+def _reach(density: ErrorDensity) -> tuple[float, float]:
     """Return the range where trials and law can be seen [SI]."""
     low, high = density.interval_mc
     margin = 0.4 * (high - low)
@@ -146,7 +146,7 @@ def _reach(density: Density) -> tuple[float, float]:
     )
 
 
-def _limits(density: Density) -> tuple[float, ...]:
+def _limits(density: ErrorDensity) -> tuple[float, ...]:
     """Return the limits near enough to be drawn [SI]."""
     if density.limit is None:
         return ()
@@ -157,14 +157,14 @@ def _limits(density: Density) -> tuple[float, ...]:
 
 
 def _marked(
-    density: Density, value: float, *, is_mean: bool = False, is_end: bool = False
+    density: ErrorDensity, value: float, *, is_mean: bool = False, is_end: bool = False
 ) -> Number:
     """Round a mean, a lower end or another number, which lines not given would move."""
     known = Known.of(value, () if is_mean else density.lacks)
     return round_error(known.falling if is_end else known, density.u, density.output)
 
 
-def _limit(density: Density) -> str:
+def _limit(density: ErrorDensity) -> str:
     """Write the limit as it was given, in the unit of the output."""
     limit = 0.0 if density.limit is None else density.limit
     return print_given(limit / density.output.si_per_unit)

@@ -70,7 +70,7 @@ class Title:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class MovedRow:
     """One or more numbers that moved alike."""
 
     title: Title
@@ -118,7 +118,7 @@ class Word:
 class MoveTable:
     """What is shown of all moves, and how many are not."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[MovedRow, ...]
     words: tuple[Word, ...]
     rest: int
 
@@ -200,7 +200,7 @@ def move_table(moves: Sequence[Move], changes: Sequence[Alteration] = ()) -> Mov
     numbers = [m for m in moves if not isinstance(m.before or m.after, str)]
     first = [move for move in numbers if move.item.quantity in PRINCIPAL]
     chosen = sorted(first or numbers, key=lambda move: -move.size)[:MOST_ROWS]
-    rows: dict[Row, list[str]] = {}
+    rows: dict[MovedRow, list[str]] = {}
     for move in chosen:
         label = _split(move.item.subject)[1]
         rows.setdefault(_row(move, changes), []).append(label)
@@ -275,7 +275,7 @@ def print_pair(before: float, after: float) -> tuple[str, str]:
     return round_value(before, u), round_value(after, u)
 
 
-def _row(move: Move, changes: Sequence[Alteration]) -> Row:
+def _row(move: Move, changes: Sequence[Alteration]) -> MovedRow:
     """Return the row of one move, without its label."""
     if isinstance(move.before, float) and isinstance(move.after, float):
         pair = print_pair(move.before, move.after)
@@ -294,7 +294,7 @@ def _row(move: Move, changes: Sequence[Alteration]) -> Row:
         sign = "-" if move.difference < 0.0 else "+"
         change = f"{sign}{_two_digits(100.0 * move.size)} %"
     causes = [(changes.index(one) + 1, part) for one, part in cause_texts(move)]
-    return Row(
+    return MovedRow(
         title=_title(move),
         before=before,
         after=after,

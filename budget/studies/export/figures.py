@@ -19,7 +19,17 @@ import numpy as np
 
 from budget.inputs.specification import CORRELATION_TIME
 from budget.model.source import Offset
-from budget.model.sources import BAND, FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
+from budget.model.sources import (
+    BAND,
+    FLICKER,
+    GYRO,
+    SAMPLE_NOISE,
+    lines_of,
+    source_of,
+    walk_of,
+)
+from budget.model.sources.power import Power
+from budget.model.sources.processes import FlickerNoise, Stability, Walk
 from budget.names import AXES, PARAMETERS, Name
 
 if TYPE_CHECKING:
@@ -27,6 +37,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine, Sensor
+    from budget.model.source import Effect
     from budget.results import Budget, FilledLine
 
 
@@ -77,7 +88,7 @@ class Missing:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class KnownFigures:
     """What is known of one triad.
 
     Attributes
@@ -129,7 +140,7 @@ def print_values(values: Array) -> str:
     )
 
 
-def origin(known: Known, line: ErrorLine) -> str:
+def origin(known: KnownFigures, line: ErrorLine) -> str:
     """Say what a line is and where it is printed."""
     if told := known.filled.get(known.name(line.name)):
         return f"{known.name(line.name)}: {told.words}"
@@ -138,7 +149,7 @@ def origin(known: Known, line: ErrorLine) -> str:
     return f"{known.name(line.name)}: {line.printed} ({words})"
 
 
-def _noise(known: Known) -> Figure | Missing:
+def _noise(known: KnownFigures) -> Figure | Missing:
     """Return the density of white noise [SI unit/sqrt(Hz)], two-sided."""
     kind = known.sensor.kind
     walk = known.sensor.line(walk_of(kind))
@@ -167,18 +178,16 @@ def _noise(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="N", lines=tuple(given), steps=tuple(steps))
 
 
-def _walk_line(known: Known) -> ErrorLine | None:
-    """Return the random walk of the rate or acceleration."""
-    names = ("rate_random_walk", "acceleration_random_walk")
-    return next((line for line in known.sensor.lines if line.name in names), None)
+def _name_of(kind: str, effect: Effect) -> str:
+    """Return the line of a sensor that has that effect."""
+    return next(one.name for one in lines_of(kind) if one.effect == effect)
 
 
-def _walk(known: Known) -> Figure | Missing:
+def _walk(known: KnownFigures) -> Figure | Missing:
     """Return the random walk of the bias [SI unit/s/sqrt(Hz)]."""
-    line = _walk_line(known)
+    walk = _name_of(known.sensor.kind, Walk())
+    line = known.sensor.line(walk)
     if line is None:
-        of_gyro = known.sensor.kind == GYRO
-        walk = "rate_random_walk" if of_gyro else "acceleration_random_walk"
         return Missing(needs=known.name(walk))
     unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
     return Figure(
@@ -189,25 +198,27 @@ def _walk(known: Known) -> Figure | Missing:
     )
 
 
-def _quadratic(known: Known) -> Figure | Missing:
+def _quadratic(known: KnownFigures) -> Figure | Missing:
     """Return K2, the coefficient of the square of the input [1/SI unit]."""
-    line = known.sensor.line("scale_factor_quadratic")
+    name = _name_of(known.sensor.kind, Power(2))
+    line = known.sensor.line(name)
     if line is None:
-        return Missing(needs=known.name("scale_factor_quadratic"))
+        return Missing(needs=known.name(name))
     per = "s/rad" if known.sensor.kind == GYRO else "s^2/m"
     said = f"K2 = {print_values(line.u)} {per}"
     steps = (origin(known, line), said)
     return Figure(value=line.u, symbol="K2", lines=(line.name,), steps=steps)
 
 
-def _stability(known: Known) -> Figure | Missing:
+def _stability(known: KnownFigures) -> Figure | Missing:
     """Return sigma of the Gauss-Markov process [SI]."""
-    line = known.sensor.line("bias_stability")
+    name = _name_of(known.sensor.kind, Stability())
+    line = known.sensor.line(name)
     if line is None:
         why = "not given"
-        if known.sensor.line("flicker") is not None:
+        if known.sensor.line(_name_of(known.sensor.kind, FlickerNoise())) is not None:
             why += ", and flicker is no Gauss-Markov process"
-        return Missing(needs=known.name("bias_stability"), why=why)
+        return Missing(needs=known.name(name), why=why)
     said = f"sigma = {print_values(line.u)} {_unit(known.sensor.kind)}"
     if line.form == FLICKER:
         said += ", the coefficient B of flicker noise, which a Gauss-Markov process "
@@ -220,12 +231,13 @@ def _stability(known: Known) -> Figure | Missing:
     )
 
 
-def _time(known: Known) -> Figure | Missing:
+def _time(known: KnownFigures) -> Figure | Missing:
     """Return the correlation time of the Gauss-Markov process [s]."""
-    line = known.sensor.line("bias_stability")
+    name = known.name(_name_of(known.sensor.kind, Stability()))
+    line = known.sensor.line(name.quantity)
     if line is None:
-        return Missing(needs=known.name("bias_stability"))
-    name, value = known.name(line.name), line.correlation_time
+        return Missing(needs=name)
+    value = line.correlation_time
     said = f"correlation time of {name}"
     if value is None:
         value = np.full(len(AXES), CORRELATION_TIME)
@@ -234,7 +246,7 @@ def _time(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,), power=0)
 
 
-def _drift(known: Known) -> Figure | Missing:
+def _drift(known: KnownFigures) -> Figure | Missing:
     """Return the random walk that the drift of the bias looks like [.../s/sqrt(Hz)]."""
     walk, sigma, time = (
         known.figure(key) for key in ("walk", "stability", "correlation_time")
@@ -242,7 +254,8 @@ def _drift(known: Known) -> Figure | Missing:
     if isinstance(sigma, Missing) or isinstance(time, Missing):
         if isinstance(walk, Missing):
             why = sigma.why if isinstance(sigma, Missing) else walk.why
-            needs = f"{known.name('bias_stability')} or {walk.needs}"
+            stability = known.name(_name_of(known.sensor.kind, Stability()))
+            needs = f"{stability} or {walk.needs}"
             return Missing(needs=needs, why=why)
         return walk
     unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
@@ -271,7 +284,7 @@ def _drift(known: Known) -> Figure | Missing:
     )
 
 
-def _driving(known: Known) -> Figure | Missing:
+def _driving(known: KnownFigures) -> Figure | Missing:
     """Return the density of the noise that drives the process [SI/sqrt(s)]."""
     sigma, time = known.figure("stability"), known.figure("correlation_time")
     if isinstance(sigma, Missing) or isinstance(time, Missing):
@@ -286,7 +299,7 @@ def _driving(known: Known) -> Figure | Missing:
     return Figure(value=value, symbol="q", lines=sigma.lines, steps=steps)
 
 
-def _memory(known: Known) -> Figure | Missing:
+def _memory(known: KnownFigures) -> Figure | Missing:
     """Return phi, what is left of the process after one sample [1]."""
     time = known.figure("correlation_time")
     if isinstance(time, Missing):
@@ -300,7 +313,7 @@ def _memory(known: Known) -> Figure | Missing:
     return Figure(value=phi, symbol="phi", lines=time.lines, steps=steps, power=0)
 
 
-def _step(known: Known) -> Figure | Missing:
+def _step(known: KnownFigures) -> Figure | Missing:
     """Return what one sample adds to the process [SI]."""
     sigma, memory = known.figure("stability"), known.figure("memory")
     if isinstance(sigma, Missing) or isinstance(memory, Missing):
@@ -317,13 +330,13 @@ def _step(known: Known) -> Figure | Missing:
     )
 
 
-def _constant(parameter: str, expected: str) -> Callable[[Known], Figure | Missing]:
+def _constant(parameter: str) -> Callable[[KnownFigures], Figure | Missing]:
     """Return what finds the spread of a parameter, raw or after a calibration."""
 
-    def find(known: Known) -> Figure | Missing:
+    def find(known: KnownFigures) -> Figure | Missing:
         axes = PARAMETERS[parameter]
         names = [Name(parameter, owner=known.sensor.kind, axis=axis) for axis in axes]
-        raw = _raw(known, parameter, expected)
+        raw = _raw(known, parameter)
         if known.left is None:
             return raw
         rows = {row.output.name: row for row in known.left.outputs}
@@ -355,7 +368,7 @@ def _constant(parameter: str, expected: str) -> Callable[[Known], Figure | Missi
     return find
 
 
-def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
+def _raw(known: KnownFigures, parameter: str) -> Figure | Missing:
     """Return the root sum square of the lines that shift a parameter."""
     kind = known.sensor.kind
     lines = [
@@ -364,6 +377,7 @@ def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
         for effect in (source_of(kind, line.name).meant(line).effect,)
         if isinstance(effect, Offset) and effect.target == parameter
     ]
+    expected = _name_of(kind, Offset(parameter))
     if expected not in {line.name for line in lines}:
         return Missing(needs=known.name(expected), axes=PARAMETERS[parameter])
     value = np.sqrt(np.sum([line.u**2 for line in lines], axis=0))
@@ -379,7 +393,7 @@ def _raw(known: Known, parameter: str, expected: str) -> Figure | Missing:
     )
 
 
-def _total_bias(known: Known) -> Figure | Missing:
+def _total_bias(known: KnownFigures) -> Figure | Missing:
     """Return the spread of the bias at the start: the constant with the process."""
     bias, sigma = known.figure("bias"), known.figure("stability")
     if isinstance(bias, Missing) or isinstance(sigma, Missing):
@@ -406,7 +420,7 @@ def _unit_of(kind: str, parameter: str) -> str:
     return units.get(parameter, f" {_unit(kind)}")
 
 
-QUANTITIES: Mapping[str, Callable[[Known], Figure | Missing]] = {
+QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure | Missing]] = {
     "noise": _noise,
     "walk": _walk,
     "drift": _drift,
@@ -416,8 +430,8 @@ QUANTITIES: Mapping[str, Callable[[Known], Figure | Missing]] = {
     "memory": _memory,
     "step": _step,
     "quadratic": _quadratic,
-    "bias": _constant("bias", "bias_repeatability"),
+    "bias": _constant("bias"),
     "total_bias": _total_bias,
-    "scale_factor": _constant("scale_factor", "scale_factor_repeatability"),
-    "mounting_angle": _constant("mounting_angle", "mounting_repeatability"),
+    "scale_factor": _constant("scale_factor"),
+    "mounting_angle": _constant("mounting_angle"),
 }

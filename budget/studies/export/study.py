@@ -20,7 +20,7 @@ from budget.question import sensors_of
 from budget.results import Study, input_files
 from budget.settings import Asked, Inputs, asking
 from budget.studies.analysis import analyze
-from budget.studies.export.figures import Figure, Known, print_number
+from budget.studies.export.figures import Figure, KnownFigures, print_number
 from budget.studies.export.template import fill_in, find_target
 from budget.units import STANDARD_GRAVITY
 
@@ -164,7 +164,9 @@ def export(
         left = analyze(*imus, procedure=how, reference=REFERENCE, validate=False)
     name = "" if how is None else how.name
     known = {
-        kind: Known(sensor=sensor, rate=rate, left=left, procedure=name, filled=told)
+        kind: KnownFigures(
+            sensor=sensor, rate=rate, left=left, procedure=name, filled=told
+        )
         for kind, sensor in sensors.items()
     }
     gravity = how.gravity if how else STANDARD_GRAVITY
@@ -250,7 +252,7 @@ def _not_held(sensors: Mapping[str, Sensor], held: set[Name]) -> Iterator[str]:
 
 
 def _notes(
-    target: Target, known: Mapping[str, Known], entries: Sequence[Exported]
+    target: Target, known: Mapping[str, KnownFigures], entries: Sequence[Exported]
 ) -> Iterator[str]:
     """Yield what else a user of the file must know."""
     times = [known[kind].figure("correlation_time") for kind in (GYRO, ACCELEROMETER)]

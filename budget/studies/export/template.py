@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.names import Name
-    from budget.studies.export.figures import Known
+    from budget.studies.export.figures import KnownFigures
 
 # What becomes of a key whose figure is not known: the export is refused, the key is
 # left out, or it is 0, where that is how the target leaves the effect out.
@@ -289,7 +289,7 @@ class Filled:
 
 def fill_in(
     target: Target,
-    known: Mapping[str, Mapping[str, Figure | Missing] | Known],
+    known: Mapping[str, Mapping[str, Figure | Missing] | KnownFigures],
     *,
     inflate: float = 1.0,
     rate: float | None = None,
