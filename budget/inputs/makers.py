@@ -1,6 +1,6 @@
 """What makers call the lines of a device file: the words, and where a page reads them.
 
-The words are data, makers.yaml beside this, of other packages their rows; error messages, the
+The words are data, makers.yaml beside this, of other packages their rows; messages, the
 JSON Schema, `budget new` and docs/datasheets.md read them.
 """
 
