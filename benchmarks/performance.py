@@ -58,7 +58,7 @@ COMMANDS = {
         *("--allocate", "--no-validate", "-o", "r.html"),
     ),
     "`allocate` by norm and turns": (
-        *("allocate", "stim300", "--requirement", "wanted.yaml", "--no-validate"),
+        *("allocate", "stim300#10g", "--requirement", "wanted.yaml", "--no-validate"),
         *("--procedure", "norm-and-turns-by-hand"),
     ),
 }

@@ -374,6 +374,10 @@ class Question:
             self._kept[key] = make()
         return self._kept[key]
 
+    def let_go(self) -> None:
+        """Forget what was made of it, that knows it in turn: of thousands all stood."""
+        self._kept.clear()
+
     def under(self, procedure: Procedure) -> Question:
         """Return the same after another calibration."""
         if procedure is self.procedure:

@@ -15,7 +15,9 @@ from budget.studies.densities import critical_densities
 from budget.studies.what_if import what_if
 
 if TYPE_CHECKING:
+    from budget.arrays import Array
     from budget.names import Name
+    from budget.problem import Problem
     from budget.question import Question
     from budget.results import Assessment, Budget
     from budget.studies.cautions import Unfelt
@@ -77,7 +79,11 @@ def coupling(question: Question) -> CouplingTable:
     one, reaches a scale factor only as a product with the bias, so that it counts here
     for a nominal bias and not for a nominal bias of zero.
     """
-    problem, u = question.problem, np.sqrt(question.law.source_variance)
+    return coupling_table(question.problem, np.sqrt(question.law.source_variance))
+
+
+def coupling_table(problem: Problem, u: Array) -> CouplingTable:
+    """Gather what sources do to outputs, shape (n_sources, n_out) [SI], by groups."""
     names = [output.name.group for output in problem.outputs]
     u = np.where(u > [output.resolution for output in problem.outputs], u, 0.0)
     total = np.sqrt((u**2).sum(axis=0))

@@ -166,6 +166,7 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     is_open = verdict.doubt is None and judged.trials is None
     is_open = is_open and (is_near or judged.is_open)
     found = entrant_of(one, verdict)
+    one.let_go()
     return replace(
         found,
         advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
