@@ -41,7 +41,6 @@ from budget.calibration.mission import (
 from budget.calibration.mission import REFERENCE as ON_MISSION
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    NORM,
     calibrates,
     initial_lines,
     is_beside,
@@ -63,6 +62,7 @@ from budget.missing.expected import (
     lacking,
     lacking_of_mission,
 )
+from budget.model.estimators import estimator_of
 from budget.model.sources import (
     ACCELEROMETER,
     ENVIRONMENT,
@@ -374,6 +374,10 @@ class Question:
             self._kept[key] = make()
         return self._kept[key]
 
+    def let_go(self) -> None:
+        """Forget what was made of it, that knows it in turn: of thousands all stood."""
+        self._kept.clear()
+
     def under(self, procedure: Procedure) -> Question:
         """Return the same after another calibration."""
         if procedure is self.procedure:
@@ -564,6 +568,22 @@ class Question:
             return None
         return Limited.of(self.problem, self.requirement)
 
+    @property
+    def limits(self) -> Limited:
+        """Its Problem with the limits on it.
+
+        Raises
+        ------
+        CallError
+            Nothing is required of it.
+        """
+        if self.held is None:
+            raise CallError(
+                f"{self.wanted.name} limits nothing of the {self.owner}; "
+                "add limits for it, or leave it out"
+            )
+        return self.held
+
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:
         """What is asked for and what is limited; None: all parameters, no others."""
@@ -673,7 +693,10 @@ def sensors_of(
     kept = tuple(one for one in found if calibrates(one.kind, procedure))
     if not kept:
         kinds = " and ".join(one.kind for one in found)
-        if procedure.formulas == NORM and ACCELEROMETER not in kinds:
+        if (
+            not estimator_of(procedure.formulas).knows_attitudes
+            and ACCELEROMETER not in kinds
+        ):
             raise CallError(
                 f"{procedure.name} calibrates accelerometers alone, by the norm of "
                 f"gravity, and what is given is a {kinds}; give a device with "

@@ -81,6 +81,11 @@ def sentence(place: str, /, **parts: object) -> Sentence:
     return _kept(place, tuple(parts.items()), tuple(map(type, parts.values())))
 
 
+def described(text: str) -> str:
+    """Return what a source says: one of our sentences, or a text from outside."""
+    return sentence(text) if text.startswith("sources.") else text
+
+
 @lru_cache(maxsize=4096)
 def _kept(
     place: str, parts: tuple[tuple[str, object], ...], _: tuple[type, ...]

@@ -344,8 +344,9 @@ def si_unit(like: str) -> str:
 
 
 def kind_of(like: str) -> QuantityKind:
-    """Return the kind of quantity that `like` is a unit of."""
-    return next(k for k in KINDS if _dimension(k.units[0]) == _dimension(like))
+    """Return the kind of quantity that `like` is a unit of; of none one of its own."""
+    found = (k for k in KINDS if _dimension(k.units[0]) == _dimension(like))
+    return next(found, QuantityKind(f"a quantity in {like}", (like,)))
 
 
 @dataclass(frozen=True)

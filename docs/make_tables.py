@@ -10,7 +10,7 @@ from typing import Any
 import budget
 from budget.cli import app
 from budget.cli.options import OutputFiles
-from budget.inputs.makers import READINGS
+from budget.inputs.makers import readings
 from budget.report.schema import results_schema
 from budget.settings import CLI, Asked, Engine, Inputs, rows
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
@@ -23,7 +23,7 @@ MARKS = {LEAVE_OUT: " (optional)", ZERO: " (0)"}
 def words() -> list[str]:
     """Return one row for each line: the words of makers, and how to read them."""
     rows = ["| makers print | line | before it is one |", "|---|---|---|"]
-    for one in READINGS:
+    for one in readings():
         for place, (line, names) in enumerate(one.words.items()):
             says = "as above" if place else one.says
             rows.append(f"| {', '.join(names)} | [`{line}`](#{one.anchor}) | {says} |")

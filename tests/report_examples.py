@@ -39,8 +39,8 @@ from budget.results import (
     Verdict,
 )
 from budget.settings import Settings
-from budget.studies.coupling import Coupling, CouplingTable
 from budget.studies.densities import ErrorDensity
+from budget.studies.evidence import Coupling, CouplingTable
 from budget.ties import largest
 from budget.units import ARCSEC, DEG_PER_HOUR, DEGREE, MICRO_G, PPM
 
@@ -525,8 +525,6 @@ def make_coupling(sizes=None):
     sources = list(dict.fromkeys(s for s, _ in sizes))
     groups = [parameter for parameter, _, _ in GYRO]
     return CouplingTable(
-        method="gum",
-        formulas="corrected",
         # In another order than the figures have them.
         sources=tuple(Name(name, owner="gyro") for name in reversed(sources)),
         groups=tuple(Name(name, owner="gyro") for name in groups),

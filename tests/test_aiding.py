@@ -22,8 +22,7 @@ from budget.names import Name
 from budget.navigation.aided import Aided
 from budget.question import Question
 from budget.results import INTERACTION
-from budget.studies.learnt import filtered
-from budget.studies.mission import SEEN, curve
+from budget.studies.mission import SEEN, curve, filtered
 from budget.units import ARCSEC
 
 DATA = TESTS / "data" / "aided"

@@ -118,10 +118,13 @@ def made_in(tree):
 
 
 def of_sources():
-    """Return the places of sentences on what sources need, and what removes them."""
-    effects = [source.effect for source in SOURCES]
-    places = {one.needs for one in effects}
-    return places.union(*({one.removed, one.removed_by_norm} for one in effects)) - {""}
+    """Return the places of sentences on what sources need, are, and are removed by."""
+    return {
+        place
+        for source in SOURCES
+        for one in (source.effect, *source.forms.values())
+        for place in (one.needs, one.removed, one.removed_by_norm, one.letters)
+    } - {""}
 
 
 MADE = [one for path in SHIPPED for one in made_in(nodes_of(path))]

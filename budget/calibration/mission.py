@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import ceil, log, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,13 +22,13 @@ import numpy as np
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import estimated
 from budget.distributions import NORMAL
-from budget.model import noise as processes
 from budget.model.response import COLUMN, ROW, SIGN, diagonal, tilt_matrix
 from budget.model.source import ACCELEROMETER, GYRO, Disturbance, Noise
 from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import (
     MISSION_TEMPERATURE,
     MISSION_VIBRATION,
+    RECTIFICATION,
     VibrationRectification,
 )
 from budget.model.sources.temperature import (
@@ -60,7 +59,7 @@ from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -71,10 +70,14 @@ if TYPE_CHECKING:
     from budget.navigation.dynamics import Moment
 
 REFERENCE = "next_turn_on"  # a mission begins with a turn-on of its own
-RECTIFICATION = "vibration_rectification"
 FIRST = {GYRO: 0, ACCELEROMETER: len(AXES)}  # row of x among the six inputs
-RATIO = 10.0 ** (1.0 / 3.0)  # of the correlation times that make up flicker [1]
-FASTEST = 1.0  # of them: what is faster is gone in the mean [s]
+# What navigation makes of a process, from its times [s].
+IN_RUN: Mapping[str, Callable[..., growth.UnitNoise]] = {
+    "white": growth.UnitWhiteNoise,
+    "walk": growth.UnitRandomWalk,
+    "markov": lambda *times: Markov(times=times),
+    "rounding": growth.Rounding,
+}
 UNITS = {"position": ("m", 1.0), "velocity": ("m/s", 1.0)}
 ANGLE = ("arcsec", ARCSEC)
 # A spread at or below this is rounding: of 1 m, of 1 m/s, of 1 rad.
@@ -622,10 +625,24 @@ def noises_of(
             parts = []
             for axis in range(len(AXES)):
                 process = effect.process(line, axis, sample_rate)
-                noise, u = in_run(process, sample_rate)
+                found = process.in_run(sample_rate)
+                noise = IN_RUN[found.kind](*found.times)
                 row = FIRST[sensor.kind] + axis
-                parts.append(AxisNoise(row=row, noise=noise, u=u))
+                parts.append(AxisNoise(row=row, noise=noise, u=found.u))
             yield Name(line.name, owner=sensor.kind), tuple(parts)
+
+
+def of_test_alone(sensors: Sequence[Sensor]) -> tuple[Name, ...]:
+    """Return lines that are given and say nothing of what they do in use."""
+    return tuple(
+        Name(line.name, owner=sensor.kind)
+        for sensor in sensors
+        for line in sensor.lines
+        for effect in [source_of(sensor.kind, line.name).meant(line).effect]
+        if line.u.any()
+        and isinstance(effect, Disturbance)
+        and effect.in_use(np.zeros(3), np.zeros(3)) is None
+    )
 
 
 def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:
@@ -660,30 +677,3 @@ def not_carried(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, 
         if not (at_start and (has_course or line != RATE_COEFFICIENT))
     )
     return (*unknown, *courses)
-
-
-def in_run(
-    process: processes.Process, sample_rate: float
-) -> tuple[growth.UnitNoise, float]:
-    """Return a process as navigation meets it: of unit size, and its size [SI].
-
-    Flicker is a sum of Gauss-Markov processes. A ratio r apart in correlation time,
-    each of variance B^2 ln(r)/pi, they add up to the density B^2/(2 pi |f|) between
-    1/(2 pi tau) of the slowest and of the fastest.
-    """
-    match process:
-        case processes.White(density=N):
-            return growth.UnitWhiteNoise(), N
-        case processes.RandomWalk(density=K):
-            return growth.UnitRandomWalk(), K
-        case processes.GaussMarkov(sigma=sigma, correlation_time=tau):
-            return Markov(times=(tau,)), sigma
-        case processes.Quantized(step=q):
-            return growth.Rounding(period=1.0 / sample_rate), q
-        case processes.Flicker(coefficient=B, low_cut=low):
-            slowest = 1.0 / (2.0 * pi * low)
-            number = max(ceil(log(slowest / FASTEST) / log(RATIO)), 1)
-            times = tuple(slowest * RATIO ** -(place + 0.5) for place in range(number))
-            return Markov(times=times), B * sqrt(log(RATIO) / pi)
-        case _:
-            raise TypeError(f"no navigation with {process!r}")

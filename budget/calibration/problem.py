@@ -41,6 +41,7 @@ from budget.model.source import (
     TurnOnChange,
 )
 from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources.outside import watched
 from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
 from budget.problem import Group, Output, Problem, arguments
@@ -345,6 +346,12 @@ class _Row:
     def acts_on(self, kind: str) -> bool:
         """Whether it can reach a triad: its own, or all from outside the sensors."""
         return self.owner in {kind, STATION, ENVIRONMENT}
+
+    def act_on(self, triad: Triad, effect: Disturbance) -> Act | None:
+        """Return what it does to a triad under test; None: nothing."""
+        is_felt = self.given.u.any() and _is_tested(triad)
+        act = effect.bind(self.given, triad) if is_felt else None
+        return watched(act, self.source) if act and self.source.origin else act
 
     def group(
         self,
@@ -732,8 +739,7 @@ def _calibration(
                 if order == effect.order:
                     constant = _Constant(now=place, later=None)
                     offsets[quantity] = (*offsets.get(quantity, ()), constant)
-            is_felt = row.given.u.any() and _is_tested(triad)
-            act = effect.bind(row.given, triad) if is_felt else None
+            act = row.act_on(triad, effect)
             if act is not None:
                 part = effect.part(triads, number)
                 rows = range(place.start, place.stop)[part]

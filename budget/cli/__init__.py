@@ -196,7 +196,11 @@ def main() -> None:
     # them for circles at every 700 new ones takes a tenth of its time.
     gc.set_threshold(GARBAGE)
     with keep_journal() as journal:
-        _guard(journal)
+        try:
+            _guard(journal)
+        finally:
+            for fault in _of_sources("outside_faults"):
+                talk(f"warning: {fault}")
 
 
 def _guard(journal: Journal) -> None:
@@ -283,8 +287,19 @@ def _stop(message: str, code: int = EXIT_BAD_INPUT) -> NoReturn:
     raise SystemExit(code) from None
 
 
+def _of_sources(name: str, *given: object) -> Any:  # noqa: ANN401
+    """Ask the table of sources something, if the run has loaded it; else ()."""
+    table = sys.modules.get("budget.model.sources")
+    return () if table is None else getattr(table, name)(*given)
+
+
 def _fail(error: Exception) -> NoReturn:
-    """Say in a line what is to be reported: a fault of the program itself."""
+    """Say in a line what is to be reported: a fault of the program itself.
+
+    Or of another package, whose error line it arose in.
+    """
+    if whose := _of_sources("blamed_outside", error):
+        _stop(whose)
     found = traceback.extract_tb(error.__traceback__)
     ours = [frame for frame in found if "budget" in Path(frame.filename).parts]
     where = f" in {Path(ours[-1].filename).name}:{ours[-1].lineno}" if ours else ""

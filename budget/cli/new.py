@@ -105,13 +105,13 @@ def _ask(name: str, source: str) -> tuple[str, str, dict[tuple[str, str], str]]:
         met: set[str] = set()
         for one in lines_of(sensor):
             # Of a bias instability flicker is another model, not another value.
-            if not one.expected or one.expected in met or one.name == "flicker":
+            if not one.expected or one.expected in met or one.value == "flicker":
                 continue
             talk(f"\n{sensor} {one.name}, {printed_as(one.name)}")
             while value := _answer(f"  value, such as 1 {one.like(sensor)}", ""):
                 said = {"value": value}
                 said["meaning"] = _answer(f"  meaning ({_MEANINGS})", "1 sigma")
-                if one.name == "bias_stability":
+                if one.value == "stability":
                     said["definition"] = _answer(f"  definition ({_OF})", "sigma")
                 entry = {(sensor, one.name): flow(said, scalar)}
                 try:

@@ -11,9 +11,9 @@ from pydantic import BaseModel, ValidationError
 
 from budget.earth import ROTATION_RATE
 from budget.inputs.fields import KEY, Later
-from budget.inputs.makers import LINES_BY_WORD, MEANINGS, bare, reading_of
+from budget.inputs.makers import MEANINGS, bare, lines_by_word, reading_of
 from budget.inputs.tree import LONGEST_SHOWN, MOST_ISSUES, all_of, describe, plain
-from budget.model.sources import SOURCES, twin_of
+from budget.model.sources import every_source, from_outside, twin_of
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
@@ -146,18 +146,20 @@ def _slip(word: str, allowed: tuple[str, ...]) -> str:
     Near is not enough here: '4 sigma' is no slip of '1 sigma' nor 'lognormal' of
     'normal', and a line of one kind of sensor has its own twin on the other.
     """
+    if word in from_outside().faults:
+        return f"; {from_outside().faults[word]}"
     if word == "earth_rate":
         return _EARTH_RATE
     if "horizontal" in allowed and word.lower() in _RADIUS:
         return f"; {_RADIUS[word.lower()]}"
-    if any(line.name == word for line in SOURCES):
+    if any(line.name == word for line in every_source()):
         twin = twin_of(word)
         return f"; did you mean {twin!r}?" if twin in allowed else ""
     digits = re.findall("[0-9]", word)
     same = {
         name.lower(): name for name in allowed if re.findall("[0-9]", name) == digits
     }
-    lines = [line for line in LINES_BY_WORD.get(bare(word), ()) if line in allowed]
+    lines = [line for line in lines_by_word().get(bare(word), ()) if line in allowed]
     if lines:
         either = " or ".join(map(repr, lines))
         return f"; did you mean {either}?{_see(lines)}"

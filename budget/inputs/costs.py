@@ -18,6 +18,7 @@ from budget.units import Quantity, per_root_hertz
 
 if TYPE_CHECKING:
     from budget.inputs.tree import YamlFile
+    from budget.model.source import Source
 
 # Their product, a (u_ref/u)^p, stays a number for every line that a device may have.
 Price = Annotated[float, Field(ge=1e-12, le=1e12, allow_inf_nan=False)]
@@ -50,12 +51,15 @@ def _cost_type(like: str) -> Any:  # noqa: ANN401
     return create_model(f"Cost in {like}", __base__=CostPart, u_ref=u_ref)
 
 
-_SOURCES = {
-    Name(line.name, owner=sensor): line
-    for sensor in SENSORS
-    for line in lines_of(sensor)
-    if line.varies and not line.is_initial  # what a calibration finds costs nothing
-}
+@cache
+def _sources() -> dict[Name, Source]:
+    """Return what may cost: what a calibration finds costs nothing."""
+    return {
+        Name(line.name, owner=sensor): line
+        for sensor in SENSORS
+        for line in lines_of(sensor)
+        if line.varies and not line.is_initial
+    }
 
 
 @cache
@@ -63,7 +67,7 @@ def costs_file_type() -> type[CostsBase]:
     """Return the type of a costs file, made where there is one to be read."""
     costs: Any = mapping_of(
         "costs by line",
-        {name: _cost_type(line.like(name.owner)) for name, line in _SOURCES.items()},
+        {name: _cost_type(line.like(name.owner)) for name, line in _sources().items()},
     )
     return create_model("Costs", __base__=CostsBase, costs=(costs, ...))
 
@@ -79,7 +83,7 @@ def read_costs(document: YamlFile) -> Costs:
     model = check(document, costs_file_type())
     parts = dict(model.costs)
     given: dict[Name, CostPart] = {
-        name: part for name in _SOURCES if (part := parts.get(name)) is not None
+        name: part for name in _sources() if (part := parts.get(name)) is not None
     }
     defaults = {"a": "1", "p": "1", "u_ref": "the present value"}
     return Costs(

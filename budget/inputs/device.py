@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -37,7 +37,6 @@ from budget.inputs.records import (
     UnusedValue,
 )
 from budget.inputs.specification import (
-    ELSEWHERE,
     OVER_TEMPERATURE,
     read_value,
     time_in,
@@ -49,11 +48,11 @@ from budget.model.sources import (
     GYRO,
     SAMPLE_NOISE,
     SENSORS,
+    SOURCES,
     WHITE,
     lines_of,
 )
 from budget.model.sources.later import AGEING
-from budget.model.sources.temperature import COEFFICIENTS
 from budget.names import Name
 from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
@@ -77,10 +76,6 @@ def _is_plausible(gravity: float) -> bool:
     return low <= gravity <= high
 
 
-# Lines that are asked for of every axis where a test or a use exercises them.
-ASKED = frozenset(
-    ("g_sensitivity", "vibration_rectification", *COEFFICIENTS, *AGEING.values())
-)
 MOST_VARIANTS = 50  # each is checked as a device of its own
 _BASE_ONLY = ("format", "abstract", "variants")
 TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "notes")
@@ -94,16 +89,6 @@ class UnusedEntry(Strict):
     condition: ShortText = ""
     meaning: ShortText = ""
     source: ShortText = ""
-
-
-# What is left over temperature, and the coefficients of what it is left of.
-RESIDUALS = {
-    "bias_over_temperature": (
-        "bias_temperature_coefficient",
-        "bias_temperature_rate_coefficient",
-    ),
-    "scale_factor_over_temperature": ("scale_factor_temperature_coefficient",),
-}
 
 
 class SensorPart(Ruled):
@@ -161,14 +146,15 @@ class SensorPart(Ruled):
             if self.counts(ageing)
             and (over := time_in(self.line(repeated))) is not None
         }
-        for residual, coefficients in RESIDUALS.items():
+        for row in (row for row in SOURCES if row.left_of):
+            residual = row.name
             elsewhere = [
-                line
-                for line, (_, other) in ELSEWHERE.items()
-                if other == residual
-                and OVER_TEMPERATURE in getattr(self.line(line), "reading", ())
+                one.name
+                for one in SOURCES
+                if one.over_temperature == residual
+                and OVER_TEMPERATURE in getattr(self.line(one.name), "reading", ())
             ]
-            given = [*(key for key in coefficients if self.line(key)), *elsewhere[1:]]
+            given = [*(key for key in row.left_of if self.line(key)), *elsewhere[1:]]
             beside = [*given, *([residual] if self.line(residual) else [])]
             if elsewhere and beside:
                 found["errors", elsewhere[0], "reading"] = (
@@ -204,7 +190,9 @@ def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # 
     errors = mapping_of(
         f"{sensor} errors",
         {line.name: type_of(line, sensor) for line in lines},
-        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines},
+        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines}
+        if type_of is value_type  # to describe it
+        else {},
     )
     types: dict[str, Any] = {
         "range": (TYPES[sensor] | None, Field(default=None, description=IS)),
@@ -299,7 +287,10 @@ def _file_type(type_of: Callable[[Source, str], Any]) -> type[Base]:
     return create_model("Device", __base__=Base, variants=variants, **sensors)
 
 
-DeviceFile = _file_type(_later)
+@cache
+def device_file_type() -> type[Base]:
+    """Return the type of a device file, made where there is one to be read."""
+    return _file_type(_later)
 
 
 def whole_file_type() -> type[Base]:
@@ -334,7 +325,7 @@ def read_device(
     for change in changes:
         root = apply(root, change)
     changed = tell_changes(printed, root, changes)
-    sheet = check(document, DeviceFile, root=root, gravity=_gravity(root))
+    sheet = check(document, device_file_type(), root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
     name = f"{name}{CHANGED}" if changed else name
     sensors: dict[str, Sensor] = {}
@@ -455,7 +446,7 @@ def _read_sensor(
         if value := part.line(line.name):
             one = read_value(line, kind, value, known=density)
             # What a verdict asks for of every axis is given where no axis has a 0.
-            of_all = bool(line.expected) or line.name in ASKED
+            of_all = bool(line.expected) or line.is_asked
             is_given = one.line.u.all() if of_all else one.line.u.any()
             is_exact = getattr(value, "is_exact", False)
             (given if is_exact or is_given else nothing).append(one)

@@ -47,6 +47,7 @@ from budget.inputs.tree import describe, flow
 from budget.inputs.use import AGE_FIELD, Age, is_none, stated_lines, with_use
 from budget.inputs.windows import WindowItem, lay_out
 from budget.language import note
+from budget.model.estimators import ESTIMATORS, PLAIN, Estimator, estimator_of
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION
 from budget.names import (
     HIGHER,
@@ -81,7 +82,9 @@ HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal
 # Of one triad beside `weighted`, whose work grows with their cube: 1,000 take 5 s.
 MOST_WEIGHED = 1000
 NORMAL = "normal"  # gravity of the ellipsoid
-PAPER, NORM, LEAST_SQUARES = "paper", "norm", "least_squares"  # estimators
+PAPER = "paper"  # the estimator of its own test; of windows:
+OF_WINDOWS = tuple(one.name for one in ESTIMATORS)
+SAYS = tuple((one.name, one.says) for one in ESTIMATORS if one.says)
 AZIMUTHS = "azimuths"  # where the bias of gyros is read
 MOST_AZIMUTHS = 360  # one for every degree; all windows are correlated with all
 MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends there [m]
@@ -266,11 +269,12 @@ class ProcedureFile(Ruled):
     sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
         "100 Hz", "of the sensor outputs"
     )
-    estimator: Literal["paper", "least_squares", "weighted", "norm"] | None = Field(
+    estimator: Literal[(PAPER, *OF_WINDOWS)] | None = Field(  # type: ignore[valid-type]
         default=None,
-        description="paper: its formulas; weighted: by all that varies; norm: "
-        "by the norm of gravity in dwells at attitudes that nobody knows. Unset: "
-        "paper, or least_squares where there are windows",
+        description="; ".join(
+            f"{name}: {says}" for name, says in (("paper", "its formulas"), *SAYS)
+        )
+        + ". Unset: paper, or least_squares where there are windows",
     )
     estimate: Estimate | None = Field(
         default=None,
@@ -359,17 +363,19 @@ class ProcedureFile(Ruled):
             "estimator",
             lambda it: it.windows is not None and it.estimator == PAPER,
             "found 'paper', whose formulas are of its own test; expected "
-            "least_squares, weighted or norm beside windows",
+            f"{', '.join(OF_WINDOWS[:-1])} or {OF_WINDOWS[-1]} beside windows",
         ),
         Rule(
             "moves",
-            lambda it: it.moves and it.estimator != NORM,
+            lambda it: it.moves and it.kind.knows_attitudes,
             "is of the estimator norm, to which attitudes are unknown; for others give "
             "turns among the windows",
         ),
         Rule(
             ("estimate", "accelerometer"),
-            lambda it: it.estimator == NORM and it.estimate and it.estimate.orders,
+            lambda it: (
+                not it.kind.knows_attitudes and it.estimate and it.estimate.orders
+            ),
             "names a higher order, which the norm of gravity does not find; remove it, "
             "or take another estimator",
         ),
@@ -414,7 +420,7 @@ class ProcedureFile(Ruled):
             (place, line)
             for place, item in enumerate(self.windows or ())
             for line in item.lines
-            if self.estimator == NORM
+            if not self.kind.knows_attitudes
         ]
         uses = {
             ("windows", place, "use"): "is of the gyro, and the norm of gravity "
@@ -436,7 +442,7 @@ class ProcedureFile(Ruled):
         most = max(
             sum(one.use in {owner, "both"} for one in laid_out) for owner in SENSORS
         )
-        if self.estimator == "weighted" and most > MOST_WEIGHED:
+        if self.kind.weighs_noise and most > MOST_WEIGHED:
             message = (
                 f"are {most} of one triad, expected {MOST_WEIGHED} at the most beside "
                 "estimator: weighted, which weighs each against every other; take "
@@ -452,16 +458,22 @@ class ProcedureFile(Ruled):
         How a triad is turned as a whole no norm shows: three angles are held there.
         """
         named = self.estimate or Estimate()
-        if self.estimator == NORM and "accelerometer" not in named.model_fields_set:
+        fields = named.model_fields_set
+        if not self.kind.knows_attitudes and "accelerometer" not in fields:
             named = Estimate(gyro=named.gyro, accelerometer=TRIANGULAR)
         return named.held()
+
+    @property
+    def kind(self) -> Estimator:
+        """What holds for the estimator that is named."""
+        return estimator_of(self.estimator or "")
 
     @property
     def chosen_estimator(self) -> str:
         """The estimator, the usual one where none is named."""
         if self.estimator is not None:
-            return self.estimator
-        return PAPER if self.windows is None else LEAST_SQUARES
+            return str(self.estimator)
+        return PAPER if self.windows is None else PLAIN
 
     @cached_property
     def laid_out(self) -> tuple[Window, ...]:
@@ -557,7 +569,7 @@ def _assumptions(model: ProcedureFile) -> tuple[str, ...]:
         ("gyro.", gyro, of_bias),
         ("accelerometer.", model.accelerometer, ()),
     )
-    usual = {"estimator": LEAST_SQUARES, "pause": "0 s"} if model.windows else {}
+    usual = {"estimator": PLAIN, "pause": "0 s"} if model.windows else {}
     return (
         *(
             sentence(

@@ -37,18 +37,14 @@ from budget.inputs.records import ErrorLine
 from budget.inputs.tree import flow
 from budget.language import term
 from budget.model.sources import (
-    ACCELEROMETER,
     BAND,
     FLICKER,
     GYRO,
     LOW_CUT,
-    SAMPLE_NOISE,
     SENSORS,
-    WALKS,
     lines_of,
-    walk_of,
+    source_of,
 )
-from budget.model.sources.later import AGEING
 from budget.names import AXES, ONE_VALUE, Name, words
 from budget.sentences import sentence
 from budget.ties import first_largest
@@ -59,13 +55,14 @@ from budget.units import (
     Quantity,
     parse_quantity,
     per_root_hertz,
+    size_of,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from budget.inputs.makers import Density
-    from budget.model.source import Source
+    from budget.model.source import Key, Source
 
 # What is printed, over the standard uncertainty [1].
 SIGMAS = {"1 sigma": 1.0, "2 sigma": 2.0, "3 sigma": 3.0, "rms": 1.0, "typical": 1.0}
@@ -703,7 +700,7 @@ class ReadValue:
 
 def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     """Return the type of a value of that line: a text or a mapping."""
-    beside = beside_of(line.name, sensor)
+    beside = beside_of(line, sensor)
     family = _family(line, sensor)
     is_open = line.varies and sensor in SENSORS
     readings = tuple(
@@ -711,7 +708,7 @@ def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
     )
     sign = Sign.ANY if line.is_signed else Sign.NOT_NEGATIVE
     measured = Measured(line.like(sensor), sign)
-    return _value_type(measured, family, line.axes, beside, readings)
+    return _value_type(measured, family, line.axes, beside, readings, keys=line.keys)
 
 
 def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
@@ -725,7 +722,7 @@ def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
         "": lambda group: (
             line.axes == AXES
             if group == (PER_AXIS, TOGETHER)
-            else ELSEWHERE.get(line.name, ("", ""))[0] == group[0]
+            else line.over_temperature and _usual_word(line) == group[0]
         ),
     }
     return tuple(
@@ -735,27 +732,15 @@ def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
     )
 
 
-# Lines that may say the same again, and where.
-BESIDE = {
-    "flicker": "bias_stability",
-    **{line: f"{parameter}_repeatability" for parameter, line in AGEING.items()},
-}
+def beside_of(line: Source, sensor: str) -> str:
+    """Return the line that says the same again, beside that one; '' if none."""
+    there = {one.name for one in lines_of(sensor)}
+    return next((name for name in line.beside if name in there), "")
 
 
-def beside_of(name: str, sensor: str) -> str:
-    """Return the line that says the same noise again, beside that one; '' if none."""
-    if name == SAMPLE_NOISE:
-        return walk_of(sensor)
-    return BESIDE.get(name, "")
-
-
-# Lines whose value may be that over temperature, what it is otherwise, and where the
-# other one stands.
-ELSEWHERE = {
-    "bias_stability": ("in-run", "bias_over_temperature"),
-    "bias_repeatability": ("turn-on", "bias_over_temperature"),
-    "scale_factor_repeatability": ("turn-on", "scale_factor_over_temperature"),
-}
+def _usual_word(line: Source) -> str:
+    """Return what a value is that is not that over temperature: 'in-run', 'turn-on'."""
+    return line.stays.replace(" ", "-")
 
 
 def read_value(
@@ -803,8 +788,7 @@ def _under(
 ) -> ReadValue:
     """Read a value under one of its readings."""
     if word == OVER_TEMPERATURE:
-        name = ELSEWHERE[line.name][1]
-        other = next(one for one in lines_of(sensor) if one.name == name)
+        other = source_of(sensor, line.over_temperature)
         same = ("value", "axes", "meaning", "includes", "condition", "source")
         kept = {key: getattr(given, key) for key in same}
         return _read(other, sensor, Residual.model_construct(**kept))
@@ -867,11 +851,29 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
     form = part.form()
-    assumptions += [sentence("assumed.of", key=key, text=text) for text in form.notes]
+    given_keys = {one: getattr(part, one.name, None) for one in line.keys}
+    unsaid = [one.name for one, quantity in given_keys.items() if quantity is None]
+    form_notes = [
+        *form.notes,
+        *(
+            sentence("values.usual_key", key=one.name, size=_usual(one))
+            for one in line.keys
+            if one.name in unsaid
+        ),
+    ]
+    assumptions += [sentence("assumed.of", key=key, text=text) for text in form_notes]
+    own_says = tuple(
+        (one.name, _usual(one) if quantity is None else quantity.printed)
+        for one, quantity in given_keys.items()
+    )
     taken = ErrorLine(
         name=line.name,
         u=np.array([a.u for a in axes]) * form.factor,
         distributions=tuple(NORMAL if line.process else a.shape for a in axes),
+        own={
+            one.name: one.usual if quantity is None else quantity.value
+            for one, quantity in given_keys.items()
+        },
         correlation_time=np.array(times) if times else None,
         printed=say([a.quantity.printed for a in axes]),
         unit=axes[0].quantity.unit,
@@ -883,17 +885,24 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         horizons=form.horizons,
         factor=form.factor,
         reading=form.reading,
-        says=form.says,
+        says=(*form.says, *(one for one in own_says if one[0] not in unsaid)),
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",
         meaning=say([_meaning(line, a.part) for a in axes]),
-        definition=form.definition or say([a.definition for a in axes]),
+        definition=form.definition
+        or say([a.definition for a in axes])
+        or ", ".join(f"{words(name)} {text}" for name, text in own_says),
         includes=say([a.part.includes or "" for a in axes]),
         horizon=say([_text(a.part.horizon) for a in axes]),
         condition=say([a.part.condition or "" for a in axes]),
         source=say([a.part.source or "" for a in axes]),
     )
     return ReadValue(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+
+
+def _usual(key: Key) -> str:
+    """Write what is taken where a file does not say a key."""
+    return f"{key.usual / size_of(key.unit):.6g} {key.unit}"
 
 
 def time_in(given: Quantity | SpecificationValue | None) -> Quantity | None:
@@ -932,11 +941,13 @@ def _value_type(
     axes: tuple[str, ...],
     beside: str,
     readings: tuple[str, ...],
+    *,
+    keys: tuple[Key, ...],
 ) -> Any:  # noqa: ANN401
     """Return the type of the values that have this unit and these axes.
 
     `beside` is a line of which the value may say that it is no part of it; `readings`
-    are what it may mean.
+    are what it may mean, `keys` what it may say besides.
     """
     value = Annotated[Quantity, measured]
     title = f"{family.__name__.removesuffix('Value')} in {measured.like}"
@@ -978,6 +989,16 @@ def _value_type(
             (),
             "what is printed for shorter horizons, of all axes",
         ),
+        *(
+            (
+                True,
+                one.name,
+                Annotated[Quantity, Measured(one.unit, Sign.POSITIVE)] | None,
+                None,
+                one.says,
+            )
+            for one in keys
+        ),
     )
     fields: dict[str, Any] = {
         key: (kind, Field(usual, description=says) if says else usual)
@@ -989,26 +1010,24 @@ def _value_type(
     return Annotated[whole, text]
 
 
-_FAMILIES: tuple[tuple[str, type[SpecificationValue]], ...] = (
-    (SAMPLE_NOISE, SampleNoiseValue),
-    ("flicker", FlickerValue),
-    ("bias_stability", StabilityValue),
-    *((line, WalkValue) for line in WALKS),
-    *((line, AgeingValue) for line in AGEING.values()),
-)
-SPECIAL: dict[tuple[str, str], type[SpecificationValue]] = {
-    ("scale_factor_nonlinearity", GYRO): RateNonlinearity,
-    ("scale_factor_nonlinearity", ACCELEROMETER): ForceNonlinearity,
-    ("scale_factor_asymmetry", GYRO): RateAsymmetry,
-    ("scale_factor_asymmetry", ACCELEROMETER): ForceAsymmetry,
-    **{(line, sensor): family for sensor in SENSORS for line, family in _FAMILIES},
+# What a file may say of values that are more than those of a constant or a process, by
+# the word of the row; where sensors differ, of a gyro and of an accelerometer.
+FAMILIES: Mapping[str, tuple[type[SpecificationValue], ...]] = {
+    "nonlinearity": (RateNonlinearity, ForceNonlinearity),
+    "asymmetry": (RateAsymmetry, ForceAsymmetry),
+    "sample_noise": (SampleNoiseValue,),
+    "flicker": (FlickerValue,),
+    "ageing": (AgeingValue,),
+    "stability": (StabilityValue,),
+    "walk": (WalkValue,),
 }
 
 
 def _family(line: Source, sensor: str) -> type[SpecificationValue]:
     """Return what a file may say about a value of that line."""
     usual = ProcessValue if line.process else ConstantValue
-    return SPECIAL.get((line.name, sensor), usual)
+    families = FAMILIES.get(line.value, (usual,))
+    return families[0] if sensor == GYRO else families[-1]
 
 
 def _meaning(line: Source, part: SpecificationValue) -> str:

@@ -240,6 +240,7 @@ def line_of(
         name=source.name,
         u=np.full(axes, size),
         distributions=(NORMAL,) * axes,
+        own={key.name: key.usual for key in source.keys},
         correlation_time=np.full(axes, CORRELATION_TIME) if is_timed else None,
         horizons=((YEAR, 1.0),) if source.name in AGEING.values() else (),
         printed=f"{float(f'{size / one:.3g}'):g} {unit}",

@@ -8,7 +8,7 @@ are no source, as in the coupling table.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,6 @@ from budget.calibration.derived import known_outputs, rotations_of
 from budget.calibration.mission import REFERENCE, mission_problem
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    WEIGHTED,
     initial_lines,
     is_beside,
     with_accelerometers,
@@ -25,7 +24,8 @@ from budget.calibration.schemes import (
 from budget.inputs.records import Sensor
 from budget.inputs.specification import time_of
 from budget.missing import line_of
-from budget.model.sources import SENSORS, lines_of, source_of
+from budget.model.estimators import estimator_of
+from budget.model.sources import SENSORS, blamed_outside, lines_of, source_of
 from budget.model.sources.later import AGEING, age_in
 from budget.model.sources.processes import FlickerNoise
 from budget.names import IMU, Name, every_output
@@ -38,18 +38,22 @@ if TYPE_CHECKING:
 
 SAME_TIME = 0.01  # relative: 365 days are a year, of 365.25 [1]
 DRAWS = 8  # of each line alone
-# Lines that vary; those are apart whose numbers take longer to import than all others
-# to compute.
-_VARYING = {
-    Name(line.name, owner=kind): line
-    for kind in SENSORS
-    for line in lines_of(kind)
-    if line.varies
-}
-SELDOM = frozenset(
-    name for name, line in _VARYING.items() if isinstance(line.effect, FlickerNoise)
-)
-USUAL = frozenset(_VARYING) - SELDOM
+
+
+@cache
+def _together() -> tuple[frozenset[Name], ...]:
+    """Return lines that vary, in sets that are probed together.
+
+    The numbers of a flicker take longer to import than all others to compute; what
+    another package brings may fail, and is alone.
+    """
+    sets: dict[str, set[Name]] = {}
+    for kind in SENSORS:
+        for line in lines_of(kind):
+            if line.varies:
+                apart = line.origin or str(isinstance(line.effect, FlickerNoise))
+                sets.setdefault(apart, set()).add(Name(line.name, owner=kind))
+    return tuple(map(frozenset, sets.values()))
 
 
 def lacking(
@@ -211,12 +215,16 @@ def _reached(
         (one.kind, (*one.nominal_bias, *one.nominal_mounting_angle)) for one in triads
     )
     # An estimator that weighs by noise lines is another one with more of them.
-    is_weighted = procedure.formulas == WEIGHTED
-    together = [frozenset(asked.values())] if is_weighted else [USUAL, SELDOM]
+    is_weighted = estimator_of(procedure.formulas).weighs_noise
+    together = [frozenset(asked.values())] if is_weighted else _together()
     found: dict[Name, tuple[Name, ...]] = {}
     for lines in together:
         if not lines.isdisjoint(asked.values()):
-            found |= _reach(nominal, lines, procedure, reference, on)
+            try:
+                found |= _reach(nominal, lines, procedure, reference, on)
+            except Exception as error:
+                if not blamed_outside(error):
+                    raise
     return {name: found.get(line, ()) for name, line in asked.items()}
 
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from budget.documents import written
-from budget.model.sources import lines_of
+from budget.model.sources import SOURCES, lines_of
 from budget.units import DEG_PER_HOUR, MICRO_G
 
 if TYPE_CHECKING:
@@ -16,8 +16,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.records import Device, Sensor
 
-# The line a sensor is graded by, and the grades below these sizes of it [SI].
-GRADED_BY = {"gyro": "bias_stability", "accelerometer": "bias_repeatability"}
+# The grades below these sizes of the line that a sensor is graded by [SI].
 BELOW = {
     "gyro": (("navigation", 0.01 * DEG_PER_HOUR), ("tactical", 10.0 * DEG_PER_HOUR)),
     "accelerometer": (("navigation", 100.0 * MICRO_G), ("tactical", 5e3 * MICRO_G)),
@@ -54,6 +53,11 @@ def kind_of_device(device: Device) -> str:
     return "IMU" if len(kinds) > 1 else kinds[0]
 
 
+def graded_by(kind: str) -> str:
+    """Return the line that a kind of sensor is graded by."""
+    return next(one.name for one in SOURCES if kind in one.grades)
+
+
 def grade(sensor: Sensor) -> str:
     """Return 'navigation', 'tactical' or 'consumer'; '-' where nobody can tell.
 
@@ -62,7 +66,7 @@ def grade(sensor: Sensor) -> str:
     stability that is sigma of a Gauss-Markov process, or the coefficient B of flicker
     noise: the largest Allan deviation of the one is 0.617 sigma, 0.664 B of the other.
     """
-    line = sensor.line(GRADED_BY[sensor.kind])
+    line = sensor.line(graded_by(sensor.kind))
     if line is None:
         return UNKNOWN
     size = line.largest

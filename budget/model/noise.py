@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import lru_cache
-from math import factorial
+from math import ceil, factorial, log, pi, sqrt
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -31,6 +31,29 @@ ROWS = 128
 MOST_KINDS = 128  # of windows that count alike, pairs of which are taken together
 SUMS = 64  # roundings that a start may be off by, the sum of thousands of lengths [1]
 ALIKE = 12  # digits to which weights of windows are equal, of the largest
+RATIO = 10.0 ** (1.0 / 3.0)  # of the correlation times that make up flicker [1]
+FASTEST = 1.0  # of them: what is faster is gone in the mean [s]
+
+
+@dataclass(frozen=True)
+class InRun:
+    """A process as navigation meets it.
+
+    Attributes
+    ----------
+    kind : str
+        'white'; 'walk', from 0 at the turn-on; 'markov', a sum of stationary
+        first-order Gauss-Markov processes, each of variance u^2; 'rounding' of the
+        integral to steps of u.
+    u : float
+        Density, sigma or step [SI].
+    times : tuple of float
+        Correlation times; of a rounding the period of its samples [s].
+    """
+
+    kind: str
+    u: float
+    times: tuple[float, ...] = ()
 
 
 class Process(Protocol):
@@ -55,6 +78,10 @@ class Process(Protocol):
 
     def covariance(self, schedule: Schedule) -> Array:
         """Return the covariance C of the averages, shape (n, n) [SI squared]."""
+        ...
+
+    def in_run(self, sample_rate: float) -> InRun:
+        """Return it as navigation meets it, of samples at a rate [Hz]."""
         ...
 
 
@@ -115,6 +142,10 @@ class White:
         """Return the covariance of weighted window averages; see Process."""
         return np.asarray(weights * (self.density**2 / schedule.lengths) @ weights.T)
 
+    def in_run(self, sample_rate: float) -> InRun:  # noqa: ARG002
+        """Return white noise of the same density."""
+        return InRun("white", self.density)
+
 
 @dataclass(frozen=True)
 class RandomWalk(_InRows):
@@ -133,6 +164,10 @@ class RandomWalk(_InRows):
         C = np.minimum(before[own, None], before[None, :])
         _put_diagonal(C, own, starts + lengths / 3.0)
         return self.density**2 * C
+
+    def in_run(self, sample_rate: float) -> InRun:  # noqa: ARG002
+        """Return a walk of the same density, from the turn-on."""
+        return InRun("walk", self.density)
 
 
 class _Stationary(_InRows):
@@ -287,6 +322,10 @@ class GaussMarkov(_Stationary):
         )
         return np.asarray(self.sigma**2 * C)
 
+    def in_run(self, sample_rate: float) -> InRun:  # noqa: ARG002
+        """Return the same process."""
+        return InRun("markov", self.sigma, (self.correlation_time,))
+
 
 def _correlation(schedule: Schedule, tau: float, first: int, last: int) -> Array:
     """Return rows of the covariance over sigma^2, and of that minus 1, (2, m, n)."""
@@ -328,6 +367,10 @@ class Quantized(_InRows):
         L2 = np.outer(lengths[own], lengths)
         return np.asarray(self.step**2 / 12.0 * shared / L2)
 
+    def in_run(self, sample_rate: float) -> InRun:
+        """Return the rounding of every sample."""
+        return InRun("rounding", self.step, (1.0 / sample_rate,))
+
 
 FAR = 1e4  # where the next term of the series of Ci is below rounding [1]
 
@@ -342,6 +385,18 @@ class Flicker(_Stationary):
     def between(self, a: _Span, b: _Span) -> Array:
         """Return the covariances; see _Stationary."""
         return -_difference(self._integral, a, b)[None]
+
+    def in_run(self, sample_rate: float) -> InRun:  # noqa: ARG002
+        """Return a sum of Gauss-Markov processes.
+
+        A ratio r apart in correlation time, each of variance B^2 ln(r)/pi, they add up
+        to the density B^2/(2 pi |f|) between 1/(2 pi tau) of the slowest and of the
+        fastest.
+        """
+        slowest = 1.0 / (2.0 * pi * self.low_cut)
+        number = max(ceil(log(slowest / FASTEST) / log(RATIO)), 1)
+        times = tuple(slowest * RATIO ** -(place + 0.5) for place in range(number))
+        return InRun("markov", self.coefficient * sqrt(log(RATIO) / pi), times)
 
     def _integral(self, t: Array) -> Array:
         """Return G, whose second derivative is the autocovariance [SI squared, s^2].

@@ -58,6 +58,7 @@ class NormScheme(Scheme):
 
     knows_attitudes: ClassVar[bool] = False
     knows_turns: ClassVar[bool] = False
+    weighed: ClassVar[str] = "norm"
 
     held: Held
 
@@ -65,6 +66,11 @@ class NormScheme(Scheme):
     def norm_weights(self) -> Array:
         """W of what is estimated, shape (m, n) [s^4/m^2, of a bias s^2/m]."""
         return self.weights[0, BIAS : self.own_statistics : STATISTICS]
+
+    def shown_weights(self) -> tuple[list[tuple[str, Array]], dict[str, Array]]:
+        """Return the dwells with their mean input, and W of what is estimated."""
+        parts, _ = super().shown_weights()
+        return parts, {"": self.norm_weights}
 
     @property
     def own_statistics(self) -> int:

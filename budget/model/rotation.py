@@ -38,6 +38,7 @@ from budget.model.response import (
     tilt_matrix,
 )
 from budget.model.scheme import UNBIASED, Held, Scheme
+from budget.names import AXES
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -87,6 +88,7 @@ class RotationScheme(Scheme):
     """
 
     knows_turns: ClassVar[bool] = False  # the earth rate is taken at known attitudes
+    weighed: ClassVar[str] = "rotation"
 
     held: Held
     legs: tuple[RotationLeg, ...]
@@ -109,6 +111,11 @@ class RotationScheme(Scheme):
         size = np.abs(self.weights).sum(axis=(0, 2)).max() * np.abs(shown).max()
         if not (np.abs(missed) < UNBIASED * max(size, 1.0)).all():
             raise CallError(f"the weights of the {self.owner} miss W J = I")
+
+    def shown_weights(self) -> tuple[list[tuple[str, Array]], dict[str, Array]]:
+        """Return what F is of, and W of what is estimated by its axis."""
+        W = self.inverse[self.held.estimated]
+        return self.parts, {axis: W[:, k::3] for k, axis in enumerate(AXES)}
 
     @property
     def parts(self) -> list[tuple[str, Array]]:

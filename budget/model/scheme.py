@@ -31,7 +31,7 @@ from budget.model.response import (
     tilt,
     tilt_transposed,
 )
-from budget.model.windows import Timing
+from budget.model.windows import EXACT, Timing
 from budget.names import AXES, parameters_of
 
 if TYPE_CHECKING:
@@ -85,6 +85,8 @@ class Scheme:
     knows_attitudes: ClassVar[bool] = True
     # Whether turns are known; else what is turned is found, and a wrong one no error.
     knows_turns: ClassVar[bool] = True
+    # What W weighs: each axis its windows, or as a page of weights calls it.
+    weighed: ClassVar[str] = "windows"
 
     owner: str
     schedule: Schedule
@@ -160,6 +162,18 @@ class Scheme:
         return self.schedule.to_body @ self.gravity
 
     @cached_property
+    def forces(self) -> Array:
+        """Specific force in body axes within each window, shape (n, p, 3) [m/s^2].
+
+        Of a part of a turn its mean.
+        """
+        found = self.schedule.spread(self.gravity)
+        turns = np.linalg.norm(self.schedule.turned, axis=1) / (2.0 * np.pi)
+        is_part = np.abs(turns - np.round(turns)) > EXACT
+        found[is_part] = self.force[is_part, None]
+        return found
+
+    @cached_property
     def powers(self) -> Array:
         """Powers of the own input of each axis, shape (3, n, m), means [SI]."""
         if not self.orders:  # what is within a window is asked for by few
@@ -180,6 +194,15 @@ class Scheme:
     def senses(self) -> Array:
         """Signs of the turns as seen by the input, 0 of dwells, shape (n,) [1]."""
         return self.schedule.senses * self.turn.any(axis=1)
+
+    def shown_weights(self) -> tuple[list[tuple[str, Array]], dict[str, Array]]:
+        """Return what is weighed, with its mean input, and W by axis, '' of all."""
+        inputs = self.turn + self.standing
+        names = (window.name for window in self.schedule.windows)
+        parts = list(zip(names, inputs, strict=True))
+        if all(np.array_equal(self.weights[0], W) for W in self.weights):
+            return parts, {"": self.weights[0]}
+        return parts, dict(zip(AXES, self.weights, strict=True))
 
     def weigh(self, values: Array, weights: Array | None = None) -> Array:
         """Return W applied to values of the windows, shape (3, 4, m).

@@ -15,6 +15,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -43,6 +44,9 @@ OWNERS = (*SENSORS, STATION, ENVIRONMENT)
 # How long a source keeps its value.
 DEVICE, TURN_ON, TEST, IN_RUN = "device", "turn-on", "test", "in run"
 
+# Hues of Okabe and Ito, as figures have them, by name.
+COLOURS = "orange", "sky", "green", "yellow", "blue", "vermilion", "purple", "black"
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Given:
@@ -57,6 +61,8 @@ class Given:
         coefficient of temperature has a sign.
     distributions : tuple of Distribution
         Shape by axis; processes are normal.
+    own : mapping of str to float
+        Values of the keys that its source has, where it has any [SI].
     correlation_time : ndarray, shape (n_axes,), or None
         Of a source that has one [s].
     low_cut : ndarray, shape (n_axes,), or None
@@ -76,6 +82,7 @@ class Given:
     name: str
     u: Array
     distributions: tuple[Distribution, ...]
+    own: Mapping[str, float] = field(default_factory=dict)
     correlation_time: Array | None = None
     low_cut: Array | None = None
     points: Array | None = None
@@ -87,6 +94,27 @@ class Given:
     def largest(self) -> float:
         """Size of the largest axis, of a coefficient whatever its sign [SI]."""
         return float(abs(self.u).max())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key:
+    """What a file may say beside the value of a line, for its effect.
+
+    Attributes
+    ----------
+    name : str
+    unit : str
+        The most usual one of it; it is above 0.
+    usual : float
+        What is taken where a file does not say it, which is printed [SI].
+    says : str
+        What it is, in words.
+    """
+
+    name: str
+    unit: str
+    usual: float
+    says: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -194,12 +222,19 @@ class Effect:
         Likewise of a test that finds its parameters by the norm of gravity.
     is_process : bool
         Whether it is a random process, though no Noise.
+    formula : str
+        What it adds to a reading, as typst has it, for the method of a report: of a
+        Noise the variance of a window's mean; '' where none is printed.
+    letters : str
+        What it is and what the letters of the formula are: a sentence, or a text.
     """
 
     needs: ClassVar[str] = "sources.windows"
     is_process: ClassVar[bool] = False
     removed: ClassVar[str] = ""
     removed_by_norm: ClassVar[str] = ""
+    formula: ClassVar[str] = ""
+    letters: ClassVar[str] = ""
 
 
 @dataclass(frozen=True)
@@ -256,6 +291,9 @@ Act = Callable[[Array, "Truth", Array], Array]
 class Disturbance(Effect):
     """Anything else in a reading, or in the input that the table gives.
 
+    One that says what it adds `in_use`, and nothing else, adds that in the windows of a
+    test too, at their nominal inputs, and in the samples of a simulation.
+
     Attributes
     ----------
     order : int
@@ -284,16 +322,25 @@ class Disturbance(Effect):
         """Return rows of weights, (3, m, n), whose noise the effect needs besides W."""
         return None
 
-    @abstractmethod
-    def bind(self, given: Given, triad: Triad) -> Act | None:
+    def bind(self, given: Given, triad: Triad) -> Act | None:  # noqa: ARG002
         """Return what the source does to this triad; None: nothing at all.
 
-        It is sent to other processes: a partial of a function of its module.
+        It is sent to other processes: a partial of a function of its module. By itself
+        the weighed means over the windows of what it adds in use.
         """
+        scheme = triad.scheme
+        added = self.in_use(scheme.within, scheme.forces)
+        if added is None:
+            return None
+        means = np.moveaxis(added.mean(axis=1), 1, 0)  # (3, n, values)
+        weighed = (scheme.weights[..., None] * means[:, None]).sum(axis=2)
+        return partial(_added, weighed=weighed)
 
-    def reading(self, value: Array, moment: SimulatedWindow) -> Array:  # noqa: ARG002
+    def reading(self, value: Array, moment: SimulatedWindow) -> Array:
         """Return what is added to the readings of a window's samples, (3, n)."""
-        return np.zeros((3, 1))
+        x, force = np.broadcast_arrays(moment.true_input.T, moment.force.T)
+        added = self.in_use(x, force)
+        return np.zeros((3, 1)) if added is None else np.asarray((added @ value).T)
 
     def in_use(self, x: Array, force: Array) -> Array | None:  # noqa: ARG002
         """Return what inputs of 1 add to the readings of their triad in later use.
@@ -315,6 +362,17 @@ class Disturbance(Effect):
     def table(self, value: Array, table: TableState) -> TableState:  # noqa: ARG002
         """Return the table as it really stands during a window."""
         return table
+
+
+def _added(
+    x: Array,
+    truth: Truth,  # noqa: ARG001
+    noise: Array,  # noqa: ARG001
+    *,
+    weighed: Array,
+) -> Array:
+    """Return what values x (n, trials) add, weighed (3, k, n) for values of 1."""
+    return np.asarray((weighed[..., None] * x).sum(axis=2))
 
 
 Gains = tuple[Array, Array]  # of a source's inputs in a parameter: in the test, later
@@ -471,6 +529,27 @@ class Source:
         Key beside it, under environment, of a time that it needs; '' if none.
     points : str
         Likewise of several times.
+    keys : tuple of Key
+        What a file may say beside its value, for its effect.
+    value : str
+        What a file may say of its value, where that is more than of any constant or
+        process: a word of budget.inputs.specification.
+    beside : tuple of str
+        Lines that may say the same once more, of which each sensor has one at most.
+    over_temperature : str
+        Line where its value stands if the maker means that over temperature.
+    left_of : tuple of str
+        Coefficients of which it is what a compensation leaves.
+    use : str
+        What of a later use it acts in: 'temperature', 'vibration', 'age'; '' of all.
+    is_asked : bool
+        Of every axis, where a test or a use exercises it.
+    grades : tuple of str
+        Sensors whose grade goes by it.
+    words : tuple of str
+        What makers call it, of one that comes from outside.
+    origin : str
+        What it comes from: the distribution and its entry point; '' of our own.
     """
 
     name: str
@@ -485,6 +564,16 @@ class Source:
     forms: Mapping[str, Effect] = field(default_factory=dict)
     time: str = ""
     points: str = ""
+    keys: tuple[Key, ...] = ()
+    value: str = ""
+    beside: tuple[str, ...] = ()
+    over_temperature: str = ""
+    left_of: tuple[str, ...] = ()
+    use: str = ""
+    is_asked: bool = False
+    grades: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+    origin: str = ""
 
     def meant(self, given: Given) -> Source:
         """Return the source with the effect that a file means by it."""

@@ -13,7 +13,6 @@ from budget.inputs.mission import read_mission
 from budget.inputs.procedure import read_procedure
 from budget.inputs.requirement import read_requirement
 from budget.inputs.station import done_at, named_station, read_station
-from budget.inputs.use import in_use
 from budget.methods.execution import small_blocks
 from budget.model.sources import STATION
 from budget.names import MISSION
@@ -278,23 +277,18 @@ def _compare(
     for row in document["devices"]:
         if row["trials"] is not None:
             device, how = by_name[row["file"]], tests[row["procedure"]]
-            question = (
-                Question(
-                    devices=(device,),
-                    procedure=in_use(how, requirement, given["mission"]),
-                    coverage=requirement.coverage,
-                    reference=requirement.reference,
-                    requirement=requirement,
-                    mission=given["mission"],
-                    carried_to=(),
-                )
-                if row["sensor"] == MISSION
-                else Question.of(device, procedure=how, requirement=requirement).alone(
-                    row["sensor"]
-                )
+            is_carried = row["sensor"] == MISSION
+            question = Question.of(
+                device,
+                procedure=how,
+                requirement=requirement,
+                mission=given["mission"] if is_carried else None,
+                carried_to=() if is_carried else None,
             )
             errors[device_of(document, row)] = standard_errors(
-                question.problem, trials=row["trials"], coverage=requirement.coverage
+                question.alone(row["sensor"]).problem,
+                trials=row["trials"],
+                coverage=requirement.coverage,
             )
     return snapshot_of(document, errors)
 

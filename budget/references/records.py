@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
 from dataclasses import dataclass, field, make_dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
@@ -22,7 +22,7 @@ from pydantic_core.core_schema import no_info_after_validator_function
 
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.model.source import OWNERS
-from budget.model.sources import SOURCES
+from budget.model.sources import every_source
 from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
 from budget.settings import (
     MOST_TRIALS,
@@ -249,7 +249,14 @@ LATER = frozenset(
         *("gyro.scale_factor_quadratic", "gyro.scale_factor_cubic"),
     }
 )
-KNOWN_NOW = frozenset({*(source.name for source in SOURCES), *OUTPUTS, *LATER})
+
+
+@cache
+def known_now() -> frozenset[str]:
+    """Return what this version can say something of, lines of other packages too."""
+    return frozenset({*(source.name for source in every_source()), *OUTPUTS, *LATER})
+
+
 # What the version had that did not yet write it into its references.
 KNOWN_FIRST = frozenset(
     {
@@ -272,7 +279,7 @@ class Snapshot:
     # Error sources and parameters that the tool had when it was made, of a file those
     # of the first version: what a later one has learnt is no change of what is stored.
     known: Annotated[frozenset[Line], Field(max_length=1000)] = field(
-        default_factory=lambda: KNOWN_NOW
+        default_factory=known_now
     )
 
     def knows(self, item: Item) -> bool:
@@ -286,7 +293,7 @@ class Snapshot:
 
     def known_part(self, text: str) -> str:
         """Return a list of sources without those that the tool did not have."""
-        if self.known >= KNOWN_NOW:  # most are: the names need not be made
+        if self.known >= known_now():  # most are: the names need not be made
             return text
         unknown = self._unknown
         return ", ".join(name for name in text.split(", ") if name not in unknown)
@@ -296,7 +303,7 @@ class Snapshot:
         """Sources and outputs that the tool which made it did not have."""
         return frozenset(
             name
-            for quantity in KNOWN_NOW
+            for quantity in known_now()
             for owner in OWNERS
             if not self._has(name := Name(quantity, owner=owner))
         )

@@ -221,6 +221,7 @@ def _line_says(line: ErrorLine) -> tuple[object, ...]:
         *(line.name, line.distributions, line.form, line.adds_to),
         *(line.density if line.readings else "", None if time is None else time.value),
         *(line.u, line.correlation_time, line.low_cut, np.array(line.horizons)),
+        np.array(list(line.own.values())),
         tuple((word, _line_says(one)) for word, one in line.readings),
     )
 

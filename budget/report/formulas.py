@@ -1,6 +1,7 @@
 """Formulas in typst's notation, which the PDF sets as they are and HTML as MathML.
 
-Sources are constants of this package, never texts of a user: they are run as typst.
+They are constants of this package, or of one with error lines of its own, never texts
+of a user: they are run as typst.
 """
 
 from __future__ import annotations
@@ -9,7 +10,13 @@ import re
 import warnings
 from dataclasses import dataclass
 from functools import cache
+from typing import TYPE_CHECKING
 from unicodedata import normalize
+
+from budget.errors import CallError
+
+if TYPE_CHECKING:
+    from budget.model.source import Source
 
 EXPERIMENTAL = "html export is under active development"
 # Browsers set a combining bar beside its letter, and a bar marked as an accent on it.
@@ -47,6 +54,26 @@ def with_math(text: str) -> tuple[str | Math, ...]:
         for place, part in enumerate(text.split("$"))
         if part
     )
+
+
+def check_formula(source: Source) -> None:
+    """Refuse the formula of a line of another package that cannot be set.
+
+    Raises
+    ------
+    CallError
+        Whose it is, and what typst says.
+    """
+    import typst
+
+    formula = source.effect.formula
+    try:
+        to_mathml((formula,))
+    except typst.TypstError as error:
+        raise CallError(
+            f"the formula {formula!r} of {source.name!r} of {source.origin} cannot be "
+            f"set: {' '.join(str(error).split())}; mend or remove that package"
+        ) from error
 
 
 @cache

@@ -64,10 +64,9 @@ from budget.report.terminal import TerminalPage, print_blocks
 from budget.results import CEP, COLUMNS, R95, Budget, OutputBudget, worst_of
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
-from budget.studies.coupling import coupling_by_law
 from budget.studies.decide import Decision, offers_of
 from budget.studies.densities import critical_densities
-from budget.studies.evidence import gather_evidence
+from budget.studies.evidence import coupling, gather_evidence
 from budget.studies.export.study import Export
 from budget.studies.mission import Curve, curve, drawn_times
 from budget.studies.stations import Qualification
@@ -536,8 +535,7 @@ class Plots:
 
     def coupling(self, sensor: str = "") -> Figure:
         """Show which source reaches which parameters of a sensor, the first without."""
-        sensor, own = self._sensor(sensor), question_of(self.budget)
-        table = coupling_by_law(own.problem, own.law, own.procedure.formulas)
+        sensor, table = self._sensor(sensor), coupling(question_of(self.budget))
         chart = coupling_chart(table, sensor)
         return self._shown(chart, f"no source affects the {sensor}")
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from budget.language import say, speaking, template
 from budget.report.blocks import Abreast, Run, Table, drawn
-from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, STYLES
+from budget.report.figures.style import BLACK, GRID, INK, MUTED, PAPER, looks
 from budget.report.formulas import Math, to_mathml
 from budget.report.inline import MINUS, Raised, bind, cut
 from budget.resources import own_templates, telling, template_environment
@@ -212,7 +212,7 @@ def _picture(picture: Picture, svg: str, name: str) -> Markup:
 
 def _model(model: Mapping[str, object]) -> Markup:
     """Write what the sliders compute from, with the colours of the figures."""
-    colours = {name: colour for name, (colour, _, _) in STYLES.items()}
+    colours = {name: colour for name, (colour, _, _) in looks().items()}
     return markup(
         script_safe(json.dumps({**model, "colours": colours}, allow_nan=False))
     )

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 from budget.inputs.records import ANGLES, AXES
 from budget.language import Note, say
-from budget.model.sources import STATION
+from budget.model.sources import STATION, source_of
 from budget.names import MISSION, Name
 from budget.report.pages import blocks, line, lines
 from budget.report.tables import SMALL_SHARE
-from budget.studies.verdicts import USE_OF
 from budget.ties import from_largest
 
 if TYPE_CHECKING:
@@ -74,7 +73,8 @@ def not_given_lines(
     absent: dict[tuple[str, tuple[str, ...], str], list[str]] = {}
     for name, outputs in reach.items():
         reached = {output.quantity for output in outputs}
-        use = USE_OF.get(name.quantity, "") if is_later and not reached else ""
+        own = source_of(name.owner, name.quantity).use
+        use = own if is_later and not reached else ""
         effect = (name.owner, tuple(one for one in NAMED if one in reached), use)
         absent.setdefault(effect, []).append(name.quantity)
     return lines("words", "not_given", absent=absent)
@@ -89,8 +89,8 @@ def not_given_gathered(
     for name, outputs in reach.items():
         if outputs:
             widening.setdefault(name.owner, []).append(name.quantity)
-        elif is_later and name.quantity in USE_OF:
-            by_use[name.quantity] = USE_OF[name.quantity]
+        elif is_later and (use := source_of(name.owner, name.quantity).use):
+            by_use[name.quantity] = use
     view = {"widening": widening, "by_use": by_use, "most": most}
     return lines("words", "not_given_gathered", **view)
 

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.mission import not_carried
+from budget.calibration.mission import not_carried, of_test_alone
 from budget.calibration.saturation import saturations
-from budget.calibration.schemes import WEIGHTED, calibrates, noise_of, removal
+from budget.calibration.schemes import calibrates, noise_of, removal
 from budget.inputs.records import UNCALIBRATED
 from budget.inputs.specification import time_of
+from budget.model.estimators import estimator_of
 from budget.model.source import Coefficient, Disturbance, Nonlinearity, TurnOnChange
 from budget.model.sources import DEVICE, ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, AGEING
 from budget.model.sources.processes import Quantization, SampleNoise
 from budget.names import IMU, MISSION, Name, by_group
 from budget.question import given_lines, kinds_of, limited_but_held
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def not_of_one_sensor(requirement: Requirement) -> tuple[str, ...]:
 
 def not_weighted(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, ...]:
     """Say for which triads there is no noise that an estimator could weigh by."""
-    if procedure.formulas != WEIGHTED:
+    if not estimator_of(procedure.formulas).weighs_noise:
         return ()
     return tuple(
         sentence("cautions.no_weights", sensor=sensor.kind)
@@ -243,7 +244,7 @@ def unfelt(question: Question) -> tuple[Unfelt, ...]:
             for name, what in removed.items()
         ),
         *(
-            Unfelt(source=name, removed="", needs=sentence(effect.needs))
+            Unfelt(source=name, removed="", needs=described(effect.needs))
             for name, effect in effects
             if isinstance(effect, Disturbance | TurnOnChange | Coefficient)
         ),
@@ -327,6 +328,8 @@ def left_behind(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[str, .
     if sampled:
         rate = procedure.sample_rate
         said.append(sentence("cautions.samples", names=sampled, rate=rate))
+    if names := of_test_alone(sensors):
+        said.append(sentence("cautions.of_test_alone", names=names))
     if names := not_carried(sensors, procedure):
         said.append(sentence("cautions.not_carried", names=names))
     return tuple(said)

@@ -42,7 +42,6 @@ BY_DEVICES, BY_PREDICTION, BY_NATURE = ORIGINS = (
 # unit of a line.
 MOST = {"ppm": 1.0, "arcsec": 1.0}
 TECHNOLOGY, GRADE = UNTOLD = ("technology", "grade")
-QUANTIZATION = "quantization"
 FEW = 5  # devices that a line is held against to call it unusual
 COVERAGE = 0.95  # of the central interval whose upper end is a ceiling [1]
 
@@ -172,8 +171,7 @@ def ceilings(
 def at_most(name: Name) -> float:
     """Return what a line of any sensor is below [SI]; inf: nothing says."""
     source = stand_in(name)
-    is_sum = source.process or source.name == QUANTIZATION
-    return inf if is_sum else MOST.get(source.like(name.owner), inf)
+    return inf if source.process else MOST.get(source.like(name.owner), inf)
 
 
 def largest_printed(

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.schemes import WEIGHTED
 from budget.inputs.specification import SIDES
+from budget.model.estimators import estimator_of
 from budget.names import Name
 from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
 from budget.studies.judgement import judge, screen
@@ -86,10 +86,11 @@ def verdicts_by_reading(
     never worse, but for an estimator that weighs by it.
     """
     (sensor,) = question.sensors
+    weighs_noise = estimator_of(question.procedure.formulas).weighs_noise
     lines = {
         name: words
         for name, words in _open_lines(sensor).items()
-        if question.procedure.formulas == WEIGHTED or {*words} != {*SIDES}
+        if weighs_noise or {*words} != {*SIDES}
     }
     if not lines:
         return None

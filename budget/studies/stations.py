@@ -35,7 +35,6 @@ import numpy as np
 from budget.calibration.derived import known_outputs, outputs_for
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import (
-    WEIGHTED,
     removal,
     schemes_of,
     with_accelerometers,
@@ -54,6 +53,7 @@ from budget.methods.allocation import Task, equal, headroom, proportional
 from budget.methods.decisions import acceptance_interval, global_risks
 from budget.methods.gum import propagate
 from budget.methods.scaling import NEGLIGIBLE, scaled_law
+from budget.model.estimators import estimator_of
 from budget.model.source import Disturbance, Statistics, Triad
 from budget.model.sources import (
     ENVIRONMENT,
@@ -66,7 +66,7 @@ from budget.model.sources import (
 from budget.names import Name, by_group
 from budget.question import Question, given_lines
 from budget.results import InputFile, LimitedOutput, Study, input_files
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 from budget.settings import Asked, Inputs, asking
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import not_weighted
@@ -488,7 +488,7 @@ class _Case:
         """
         sensors = self.question.sensors
         kinds = tuple(sensor.kind for sensor in sensors)
-        if procedure.formulas != WEIGHTED:
+        if not estimator_of(procedure.formulas).weighs_noise:
             sensors = tuple(map(_coefficients_alone, sensors))
         triads = [
             Triad(
@@ -820,7 +820,7 @@ def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
         return ""
     if not probe.elsewhere[g] and not what:
         needs = source_of(name.owner, name.quantity).effect.needs
-        return sentence("stations.reaches_nothing", needs=sentence(needs))
+        return sentence("stations.reaches_nothing", needs=described(needs))
     return sentence("stations.counts_nothing", what=what, is_felt=bool(probe.any[g]))
 
 

@@ -17,9 +17,10 @@ from budget.inputs import (
 from budget.inputs.changes import read_change
 from budget.inputs.load import several
 from budget.names import with_parts
+from budget.question import Question
 from budget.results import TIME_COLUMN
 from budget.settings import Asked, Inputs, asking
-from budget.studies.analysis import analyze
+from budget.studies.analysis import analyze_as
 from budget.units import NUMBER
 
 if TYPE_CHECKING:
@@ -79,11 +80,9 @@ def sweep(
     from budget.studies.frame import Frame
 
     start = load_device(device)
-    wanted, route = inputs.required, inputs.journey
-    how = inputs.calibrated(mission=route, requirement=wanted)
-    inputs = Inputs(requirement=wanted, mission=route, procedure=how, at=inputs.at)
     outputs = asked.outputs
-    asked = replace(asked, outputs=() if route else outputs)
+    asked = replace(asked, outputs=() if inputs.mission else outputs)
+    whole = Question.load(start, inputs=inputs, asked=asked)
     listed = () if isinstance(values, str) else several(values)
     printed = tuple(_as_printed(value, line, unit) for value in listed)
     if not printed:
@@ -95,7 +94,8 @@ def sweep(
     address = read_change(f"{line}=0").address
     rows: list[dict[str, Any]] = []
     for value, one in zip(printed, changed, strict=True):
-        budget = analyze(one, inputs=inputs, asked=asked, command="sweep")
+        question = replace(whole, devices=(one,))
+        budget = analyze_as(asked.settle(), question, command="sweep")
         chosen = _asked(budget, outputs)
         rows += ({**_split(value), **row} for row in _rows(budget, address, chosen))
     return Frame(rows)

@@ -33,7 +33,6 @@ from budget.aiding import (
     believed,
     journey_of,
     overconfident,
-    problem_of_mission,
 )
 from budget.calibration.mission import Places, mission_outputs
 from budget.calibration.saturation import (
@@ -45,31 +44,30 @@ from budget.calibration.saturation import (
 )
 from budget.calibration.schemes import calibrates, largest_of_test
 from budget.distributions import normal_coverage_factor
-from budget.inputs.makers import LINES_BY_WORD, bare
+from budget.inputs.makers import bare, lines_by_word
 from budget.inputs.records import JOINT
 from budget.inputs.specification import read_value, time_of
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES, STATED, stated_of
 from budget.known import Known
-from budget.methods.gum import covariance_by_source, propagate
+from budget.methods.gum import covariance_by_source
 from budget.methods.radius import principal_variances, radius_of
 from budget.missing import line_of, shipped_devices, usual_line
 from budget.missing.grades import FAMILIES, family
 from budget.missing.prediction import stand_in
 from budget.model.course import Fading
-from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, source_of
+from budget.model.sources import ACCELEROMETER, ENVIRONMENT, GYRO, SOURCES, source_of
 from budget.model.sources.later import (
     AGE,
     AGEING,
     MISSION_TEMPERATURE,
+    RECTIFICATION,
     TEST_VIBRATION,
     growth,
 )
 from budget.model.sources.temperature import (
-    BIAS_COEFFICIENT,
     COEFFICIENTS,
     RATE_COEFFICIENT,
-    SCALE_COEFFICIENT,
 )
 from budget.names import AIDING, Name, time_text, words
 from budget.results import TINY, VERDICTS, Condition, Verdict
@@ -77,7 +75,6 @@ from budget.sentences import sentence
 from budget.studies.cautions import beyond_first_order
 from budget.studies.ceilings import (
     BY_NATURE,
-    QUANTIZATION,
     at_most,
     ceilings,
     largest_printed,
@@ -118,12 +115,14 @@ MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 LATER = "next_turn_on"  # the error reference that a use is of
 # By the parameter: coefficient, and the residual over temperature that says it too.
 BY_TEMPERATURE = {
-    "bias": (BIAS_COEFFICIENT, "bias_over_temperature"),
-    "scale_factor": (SCALE_COEFFICIENT, "scale_factor_over_temperature"),
+    getattr(one.effect, "target", ""): (one.left_of[0], one.name)
+    for one in SOURCES
+    if one.left_of
 }
+# Lines of which a sheet has to say more than a value, and one that a level use needs.
 NONLINEARITY, SAMPLE_NOISE = "scale_factor_nonlinearity", "sample_noise"
 STABILITY, ALLAN_FLOOR = "bias_stability", "allan_minimum"
-RECTIFICATION, G_SENSITIVITY = "vibration_rectification", "g_sensitivity"
+G_SENSITIVITY, QUANTIZATION = "g_sensitivity", "quantization"
 MEMS = "mems"
 NOT_MEMS = {*FAMILIES, "optical"} - {MEMS}
 SATURATES, NO_TIME = "saturates", "no_correlation_time"
@@ -147,22 +146,12 @@ IN_TEST = {
     "vibration": (RECTIFICATION,),
 }
 SHORT = 1.0  # correlation time of a bias stability that is none [s]
-# By the line of a sensor: the use that it acts in.
-USE_OF = {
-    **dict.fromkeys((BIAS_COEFFICIENT, SCALE_COEFFICIENT), "temperature"),
-    "bias_over_temperature": "temperature",
-    "scale_factor_over_temperature": "temperature",
-    RECTIFICATION: "vibration",
-    **dict.fromkeys(AGEING.values(), "age"),
-}
 DOUBLINGS = 200  # of a bound, from one probe on
 HALVINGS = 60  # to the rounding of a double
 
 
 def decide(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
@@ -174,9 +163,8 @@ def decide(
     Parameters
     ----------
     question : Question
-    held, law, judged
-        Its Problem with the limits, the law of that, and how it stands on what is given
-        and on what stands for lines that are not.
+    judged : Judged
+        How it stands on what is given and on what stands for lines that are not.
     seed : int
         Of trials, where the law is not sure enough.
     doubt : Doubt, optional
@@ -184,16 +172,14 @@ def decide(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    found = _decided(
-        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
-    )
-    aided = tuple(_of_aids(question, held, law))
+    found = _decided(question, judged, seed=seed, doubt=doubt, readings=readings)
+    aided = tuple(_of_aids(question))
     found = replace(found, cautions=(*found.cautions, *aided))
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
     lost = (
         *(one for one in found.cautions if one.kind == NO_TIME),
-        *_lost(question, held),
+        *_lost(question),
     )
     if not lost:
         return found
@@ -205,11 +191,10 @@ def decide(
     )
 
 
-def _of_aids(
-    question: Question, held: Limited, law: Propagation
-) -> Iterator[Condition]:
+def _of_aids(question: Question) -> Iterator[Condition]:
     """Yield what an aided mission is judged with, and where its filter is too sure."""
-    mission, outputs = question.journey, held.outputs
+    mission, held = question.journey, question.limits
+    outputs = held.outputs
     if mission is None or not mission.aiding:
         return
     times = Places.of([output.name for output in outputs]).times
@@ -220,38 +205,36 @@ def _of_aids(
         yield Condition(kind="aided", line=Name(AIDING), text=text)
     if mission.filter is not None and question.only is None:
         journey = journey_of(mission, times, question.sensors, question.procedure)
-        errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
+        errors = believed(
+            journey, outputs, question.law.standard_uncertainty[held.rows]
+        )
         for said in overconfident(errors):
             yield Condition(kind="filter", line=Name(AIDING), text=said)
 
 
-def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
+def _lost(question: Question) -> tuple[Condition, ...]:
     """Return what leaves a verdict open where first order ends before a limit."""
     if question.journey is None:
         return ()
-    times = dict.fromkeys(output.name.time or 0.0 for output in held.outputs)
+    times = dict.fromkeys(output.name.time or 0.0 for output in question.limits.outputs)
     attitudes = [
         name
         for name in mission_outputs(question.journey, times)
         if name.quantity == "attitude"
     ]
-    problem = problem_of_mission(
-        question.sensors, question.procedure, question.journey, attitudes
-    )
+    own = replace(question, asked=tuple(attitudes), requirement=None, only=None)
     return tuple(
         Condition(
             kind="first_order",
             line=attitudes[-1].group,
             text=text,
         )
-        for text in beyond_first_order(problem, propagate(problem))
+        for text in beyond_first_order(own.problem, own.law)
     )
 
 
 def _decided(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
@@ -261,7 +244,7 @@ def _decided(
     """Return the verdict as far as the equations are of first order."""
     silent = unjudged(question)
     cautions, words = silent.cautions, replace(silent, conditions=())
-    given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
+    given = verdict_of(judged, question.limits.absent, doubt=doubt, readings=readings)
     if any(one.kind == SATURATES for one in cautions):
         given = FAILS
     if question.only is not None and given == MEETS:
@@ -281,7 +264,7 @@ def _decided(
         return replace(words, verdict=given, cautions=cautions)
     if not any(one.lines for one in question.there):
         return silent
-    margin = Margin.of(question, held, law, judged, seed=seed)
+    margin = Margin.of(question, judged, seed=seed)
     # What is predicted is in the doubt; what else nothing bounds decides all the same.
     decisive = margin.decisive if doubt is None else margin.without_ceiling
     conditions = tuple(
@@ -390,21 +373,18 @@ def unjudged(question: Question) -> Verdict:
 
 def verdict_on(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
     readings: ReadingVerdicts | None = None,
 ) -> Verdict:
     """Return the verdict on a question with its numbers; arguments as of `decide`."""
+    held, law = question.limits, question.law
     prediction, missing = question.filled.prediction, question.missing
     doubt = None
     if prediction is not None and not missing and not held.absent:
         doubt = doubt_of(prediction, held, law, judged)
-    found = decide(
-        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
-    )
+    found = decide(question, judged, seed=seed, doubt=doubt, readings=readings)
     outputs = assess_outputs(held, judged, found, question.lacks)
     why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
     is_bound = found.misses or bool(why)
@@ -428,11 +408,10 @@ def verdict_on(
 
 def stand(question: Question, *, seed: int) -> Verdict | None:
     """Judge a question, by few trials where they are needed; None: it has no limit."""
-    held, law = question.held, question.law
-    if held is None:
+    if question.held is None:
         return None
-    judged = judge(held, law, seed=seed, max_trials=TRIALS)
-    return decide(question, held, law, judged, seed=seed)
+    judged = judge(question.held, question.law, seed=seed, max_trials=TRIALS)
+    return decide(question, judged, seed=seed)
 
 
 def gravest(verdicts: Iterable[str]) -> str:
@@ -490,13 +469,12 @@ class Margin:
     def of(
         cls,
         question: Question,
-        held: Limited,
-        law: Propagation,
         judged: Judged,
         *,
         seed: int,
     ) -> Margin:
         """Compute what each missing line and each use that is not stated makes."""
+        held, law = question.limits, question.law
         names = expected_of(question)
         stands = {one.expected: one for one in question.filled.lines}
         silent = silent_of(question)
@@ -527,11 +505,11 @@ class Margin:
         found_of = question.with_lines(lines | probes).in_use(
             [PROBE[key] for key in unstated(question)]
         )
-        whole, found = found_of.held or held, found_of.law
+        whole, found = found_of.limits, found_of.law
         parts = np.concatenate(
             [
                 _parts(whole, found),
-                *(_of_test(question, held, name, sizes[name]) for name in in_test),
+                *(_of_test(question, name, sizes[name]) for name in in_test),
             ]
         )
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
@@ -626,7 +604,7 @@ class Margin:
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
         full = question.with_lines(lines)
-        top = full.held or held
+        top = full.limits
         at_top = judge(top, full.law, seed=seed, max_trials=TRIALS)
         if margin.jointly is not None:
             top_known = (margin.weights, at_top.utilisation)
@@ -1105,14 +1083,14 @@ def _standing(question: Question, name: Name, u: float) -> ErrorLine:
     return line_of(stand_in(name), name.owner, u)
 
 
-def _of_test(question: Question, held: Limited, name: Name, size: float) -> Array:
+def _of_test(question: Question, name: Name, size: float) -> Array:
     """Return the covariance that one coefficient has of the temperature of a test.
 
     Alone, as its sign beside that of others is not known: shape (1, n_required, 2, 2).
     """
     line = line_of(stand_in(name), name.owner, size)
     alone = question.with_lines({name: line}, less=COEFFICIENTS)
-    own = alone.held or held
+    own = alone.limits
     there = _temperatures_of_test(question.procedure)
     rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
     parts = _parts(own, alone.law)[rows]
@@ -1248,7 +1226,7 @@ def cautions_of(question: Question) -> tuple[Condition, ...]:
 def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Condition]:
     """Yield what a line that is given leaves open in the use that is stated."""
     stated = stated_of(question.procedure) if question.is_later else {}
-    key = USE_OF.get(line.name, "")
+    key = source_of(name.owner, line.name).use
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
     if is_idle and key not in _exercised_in_test(question):
         yield Condition(
@@ -1390,7 +1368,7 @@ def _of_sheet(sensor: Sensor) -> Iterator[Condition]:
         yield Condition(kind="range", line=Name("range", owner=sensor.kind), text=text)
     for line in sensor.lines:
         name = Name(line.name, owner=sensor.kind)
-        key = USE_OF.get(line.name, "")
+        key = source_of(sensor.kind, line.name).use
         if key and line.u.any():
             text = sentence(
                 "conditions.acts_at_use", line=name, printed=line.printed, use=key
@@ -1409,7 +1387,7 @@ def _aside(device: Device) -> Iterator[Condition]:
         called = re.sub(r"\bacc(el)?\b", ACCELEROMETER, called)
         for sensor in device.sensors:
             _, _, after = f" {called} ".rpartition(f" {sensor.kind} ")
-            known = LINES_BY_WORD.get(bare(after), ())
+            known = lines_by_word().get(bare(after), ())
             for line in sensor.not_given:
                 is_called = line.quantity in known and line.quantity != QUANTIZATION
                 if is_called or f" {words(line.quantity)} " in f" {after}":

@@ -11,7 +11,7 @@ from places import DOCS, ROOT
 from budget.errors import SpecError
 from budget.inputs import json_schema, load_device
 from budget.inputs.device import read_device
-from budget.inputs.makers import PAGE, READINGS, bare
+from budget.inputs.makers import PAGE, bare, readings
 from budget.inputs.reader import parse
 from budget.model.sources import SENSORS, lines_of
 from budget.units import WALK_PER_DENSITY, UnitError, parse_quantity, per_root_hertz
@@ -19,7 +19,7 @@ from budget.units import WALK_PER_DENSITY, UnitError, parse_quantity, per_root_h
 TEXT = (ROOT / PAGE).read_text(encoding="utf-8")
 WORDS = [
     (line, word)
-    for one in READINGS
+    for one in readings()
     for line, words in one.words.items()
     for word in words
 ]
@@ -34,9 +34,9 @@ def anchors(text):
 def test_every_line_of_a_device_has_words():
     """A line that is added is printed as something, and nothing else has words."""
     lines = {line.name for sensor in SENSORS for line in lines_of(sensor)}
-    named = [line for one in READINGS for line in one.words]
+    named = [line for one in readings() for line in one.words]
     assert sorted(named) == sorted(lines)
-    assert all(words for one in READINGS for words in one.words.values())
+    assert all(words for one in readings() for words in one.words.values())
 
 
 @pytest.mark.parametrize(("line", "word"), WORDS)
@@ -49,7 +49,7 @@ def test_a_word_in_the_place_of_a_line_is_answered_with_the_line(line, word):
             read_device(parse(text.encode(), "x.yaml", base_name="x.yaml"))
         except SpecError as error:
             said.append(str(error))
-    link = next(one.link for one in READINGS if line in one.words)
+    link = next(one.link for one in readings() if line in one.words)
     if bare(word) == bare(line):  # 'rate random walk' is its own line, misspelled
         assert any(f"'{line}'" in text for text in said)
         return
@@ -67,7 +67,7 @@ def every_link():
     written = {
         found for text in texts for found in re.findall(r"\{PAGE\}#([\w-]+)", text)
     }
-    return written | {one.anchor for one in READINGS}
+    return written | {one.anchor for one in readings()}
 
 
 def test_every_link_leads_somewhere():
@@ -89,7 +89,7 @@ def test_the_schema_says_the_same_words():
     schema = json_schema("device")["$defs"]
     for sensor in SENSORS:
         keys = schema[f"{sensor}_errors"]["properties"]
-        for one in READINGS:
+        for one in readings():
             for line in one.words.keys() & keys.keys():
                 told = keys[line]["description"]
                 assert all(word in told for word in one.words[line])

@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 
 import pytest
+from builders import asked
 from document_text import on_terminal
 from keeping import catalogue
 from places import DOCS
@@ -31,8 +32,8 @@ from budget.report.tables import group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
-from budget.studies.coupling import coupling
 from budget.studies.densities import critical_densities
+from budget.studies.evidence import coupling
 from budget.studies.verdicts import MEETS, MEETS_IF
 from budget.studies.what_if import one_at_a_time, what_if
 
@@ -62,7 +63,7 @@ def test_a_missing_line_reaches_what_it_reaches_when_given(kind, reference, form
     """
     procedure = replace(load_procedure(), formulas=formulas)
     sensor = getattr(ZHAO, kind)
-    table = coupling((sensor,), procedure, reference=reference)
+    table = coupling(asked(sensor, procedure=procedure, reference=reference))
     for line in sensor.lines:
         bare = getattr(without(line.name, kind=kind), kind)
         found = lacking((bare,), procedure, reference=reference)

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from budget import load_device
 from budget.errors import CallError
 from budget.missing import comparable
-from budget.missing.grades import GRADED_BY, UNKNOWN, family, grade
+from budget.missing.grades import UNKNOWN, family, grade, graded_by
 from budget.missing.prediction import predict, stand_in
 from budget.names import Name
 from budget.studies.ceilings import GRADE, TECHNOLOGY, ceilings
@@ -110,7 +110,7 @@ def test_hiding_technology_or_grade_brings_no_better_company():
         for sensor in device.sensors:
             names = (*sensor.expected_missing, Name("initial_bias", owner=sensor.kind))
             told = ceilings(device, names, catalogue())
-            graded = GRADED_BY[sensor.kind]
+            graded = graded_by(sensor.kind)
             for hidden, untold in (
                 (replace(device, technology=""), TECHNOLOGY),
                 (replace(device, technology="6-axis"), TECHNOLOGY),

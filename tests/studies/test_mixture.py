@@ -22,9 +22,8 @@ from budget.names import MISSION, Name
 from budget.question import question_of
 from budget.report.analysis.mission import mission_answer
 from budget.report.document import to_json
-from budget.studies.doubt import squared_lines
+from budget.studies.doubt import ONE_SIGMA, Mixture, _within, squared_lines
 from budget.studies.mission import bought, curve
-from budget.studies.mixture import ONE_SIGMA, Mixture, _within
 
 VN100 = load_device("vn-100")
 TIMES = (60.0, 600.0)

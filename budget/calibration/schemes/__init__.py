@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from budget.calibration.schemes.norm import scheme_by_norm
 from budget.calibration.schemes.rotation import scheme_by_rotation
 from budget.errors import CallError
 from budget.inputs.records import FACTORY, UNCALIBRATED
+from budget.model.estimators import NORM, PLAIN, WEIGHTED, estimator_of
 from budget.model.norm import NormScheme
 from budget.model.response import SIGN, STATISTICS, statistics_of
 from budget.model.rotation import RotationScheme
@@ -24,16 +26,13 @@ from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
-from budget.sentences import sentence
+from budget.sentences import described, sentence
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.calibration.saturation import Peak
     from budget.inputs.records import ErrorLine, Procedure, Sensor
-
-WEIGHTED, PLAIN = "weighted", "least_squares"  # estimators of any windows
-NORM = "norm"  # of dwells at unknown attitudes
 
 
 def schemes_of(
@@ -98,7 +97,8 @@ def largest_of_test(owner: str, procedure: Procedure) -> Peak:
 
 def is_beside(procedure: Procedure) -> bool:
     """Whether a gyro is calibrated by what accelerometers beside it show."""
-    return procedure.formulas == NORM and calibrates(GYRO, procedure)
+    estimator = estimator_of(procedure.formulas)
+    return not estimator.knows_attitudes and calibrates(GYRO, procedure)
 
 
 def with_accelerometers(
@@ -141,7 +141,7 @@ def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) ->
     CallError
         The windows cannot tell some parameters apart.
     """
-    is_own = procedure.formulas in {WEIGHTED, NORM} or any(
+    is_own = estimator_of(procedure.formulas).is_of_device or any(
         name.owner == owner for name in procedure.held
     )
     return _scheme_of(owner, procedure, sensor if is_own else None)
@@ -150,23 +150,23 @@ def scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None = None) ->
 @lru_cache(maxsize=64)
 def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Scheme:
     """Return a scheme; without what depends on the device thousands share a few."""
-    if procedure.formulas not in {WEIGHTED, PLAIN, NORM}:
+    if procedure.formulas not in SCHEMES:
         return zhao_2019.scheme_of(owner, procedure)
-    schedule = schedule_of(owner, procedure)
-    held = _held(owner, procedure, sensor)
-    if procedure.formulas == NORM:
-        if owner == ACCELEROMETER:
-            return scheme_by_norm(owner, schedule, procedure, held)
-        steps = tuple(step for one in schedule.windows for step in one.steps)
-        return scheme_by_rotation(
-            replace(schedule, windows=steps),
-            procedure,
-            held,
-            beside=schedule_of(ACCELEROMETER, procedure),
-            values=_held(ACCELEROMETER, procedure, sensor and sensor.beside).value,
-        )
+    schedule, held = schedule_of(owner, procedure), _held(owner, procedure, sensor)
+    return SCHEMES[procedure.formulas](owner, schedule, procedure, held, sensor)
+
+
+def _by_least_squares(
+    owner: str,
+    schedule: Schedule,
+    procedure: Procedure,
+    held: Held,
+    sensor: Sensor | None,
+) -> Scheme:
+    """Return least squares, of windows alike or weighed by the noise of a device."""
     covariances = None
-    if procedure.formulas == WEIGHTED and sensor and noise_of(owner, sensor.lines):
+    weighs_noise = estimator_of(procedure.formulas).weighs_noise
+    if weighs_noise and sensor and noise_of(owner, sensor.lines):
         covariances = covariances_of(sensor, procedure, schedule, held)
     return scheme_by_least_squares(
         owner,
@@ -176,6 +176,35 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
         held if held.which.any() else None,
         orders=orders_of(owner, procedure),
     )
+
+
+def _by_norm(
+    owner: str,
+    schedule: Schedule,
+    procedure: Procedure,
+    held: Held,
+    sensor: Sensor | None,
+) -> Scheme:
+    """Return accelerometers by the norm of gravity, gyros by what these show."""
+    if owner == ACCELEROMETER:
+        return scheme_by_norm(owner, schedule, procedure, held)
+    steps = tuple(step for one in schedule.windows for step in one.steps)
+    return scheme_by_rotation(
+        replace(schedule, windows=steps),
+        procedure,
+        held,
+        beside=schedule_of(ACCELEROMETER, procedure),
+        values=_held(ACCELEROMETER, procedure, sensor and sensor.beside).value,
+    )
+
+
+# What each of budget.model.estimators makes of windows.
+Maker = Callable[[str, Schedule, "Procedure", Held, "Sensor | None"], Scheme]
+SCHEMES: dict[str, Maker] = {
+    PLAIN: _by_least_squares,
+    WEIGHTED: _by_least_squares,
+    NORM: _by_norm,
+}
 
 
 @lru_cache(maxsize=64)
@@ -202,9 +231,9 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
 def removal(name: Name, procedure: Procedure) -> str:
     """Return what makes a source cancel in a test that is good at it; '' if nothing."""
     effect = source_of(name.owner, name.quantity).effect
-    is_by_norm = procedure.formulas == NORM
-    place = effect.removed_by_norm if is_by_norm else effect.removed
-    return sentence(place) if place else ""
+    knows_attitudes = estimator_of(procedure.formulas).knows_attitudes
+    place = effect.removed if knows_attitudes else effect.removed_by_norm
+    return described(place)
 
 
 def estimated(owner: str, procedure: Procedure) -> tuple[Name, ...]:
@@ -250,7 +279,7 @@ def calibrates(owner: str, procedure: Procedure) -> bool:
     if procedure.formulas in UNCALIBRATED:
         return False
     own = [one for one in procedure.windows if one.use in {owner, "both"}]
-    if procedure.formulas == NORM and owner == GYRO:
+    if not estimator_of(procedure.formulas).knows_attitudes and owner == GYRO:
         return any(one.sense for one in own)  # no norm of the earth rate is that large
     return not procedure.windows or bool(own)
 

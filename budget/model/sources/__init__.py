@@ -32,6 +32,7 @@ from budget.model.sources.later import (
     AGEING,
     MISSION_TEMPERATURE,
     MISSION_VIBRATION,
+    RECTIFICATION,
     TEST_VIBRATION,
     Age,
     Ageing,
@@ -77,6 +78,8 @@ from budget.names import ANGLES, AXES, ONE_VALUE
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from budget.model.sources.outside import Outside
+
 __all__ = [
     "ACCELEROMETER",
     "BAND",
@@ -92,9 +95,12 @@ __all__ = [
     "STATION",
     "TEST",
     "TURN_ON",
-    "WALKS",
     "WHITE",
+    "blamed_outside",
+    "every_source",
+    "from_outside",
     "lines_of",
+    "outside_faults",
     "source_of",
     "twin_of",
     "walk_of",
@@ -113,6 +119,8 @@ SOURCES = (
         stays=TURN_ON,
         expected="bias_repeatability",
         colour="blue",
+        over_temperature="bias_over_temperature",
+        grades=(ACCELEROMETER,),
     ),
     Source(
         name="bias_stability",
@@ -123,6 +131,9 @@ SOURCES = (
         expected="bias_stability",
         colour="orange",
         forms={FLICKER: FlickerNoise()},
+        value="stability",
+        over_temperature="bias_over_temperature",
+        grades=(GYRO,),
     ),
     Source(
         name="flicker",
@@ -132,6 +143,8 @@ SOURCES = (
         stays=IN_RUN,
         expected="bias_stability",
         colour="",
+        value="flicker",
+        beside=("bias_stability",),
     ),
     Source(
         name="angle_random_walk",
@@ -141,6 +154,7 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="green",
+        value="walk",
     ),
     Source(
         name="velocity_random_walk",
@@ -150,6 +164,7 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="green",
+        value="walk",
     ),
     Source(
         name="rate_random_walk",
@@ -158,6 +173,7 @@ SOURCES = (
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
+        value="walk",
     ),
     Source(
         name="acceleration_random_walk",
@@ -166,6 +182,7 @@ SOURCES = (
         effect=Walk(),
         stays=IN_RUN,
         colour="purple",
+        value="walk",
     ),
     Source(
         name="sample_noise",
@@ -176,6 +193,8 @@ SOURCES = (
         stays=IN_RUN,
         expected="noise",
         colour="sky",
+        value="sample_noise",
+        beside=("angle_random_walk", "velocity_random_walk"),
     ),
     Source(
         name="quantization",
@@ -194,6 +213,7 @@ SOURCES = (
         stays=TURN_ON,
         expected="scale_factor_repeatability",
         colour="vermilion",
+        over_temperature="scale_factor_over_temperature",
     ),
     Source(
         name="scale_factor_nonlinearity",
@@ -204,6 +224,7 @@ SOURCES = (
         colour="vermilion",
         is_hatched=True,
         forms={"cubic": Power(3), "quadratic": Power(2)},
+        value="nonlinearity",
     ),
     *(
         Source(
@@ -214,6 +235,7 @@ SOURCES = (
             stays=DEVICE,
             colour="black",
             forms=forms,
+            value="asymmetry",
         )
         for owner, forms in (
             (GYRO, {"turn": TurnAsymmetry(), "input": InputAsymmetry()}),
@@ -239,6 +261,7 @@ SOURCES = (
         axes=ELEMENTS,
         colour="sky",
         is_hatched=True,
+        is_asked=True,
     ),
     Source(
         name="scale_factor_quadratic",
@@ -265,6 +288,8 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("bias")},
         stays=DEVICE,
+        use="temperature",
+        is_asked=True,
     ),
     Source(
         name="bias_temperature_rate_coefficient",
@@ -273,6 +298,7 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("bias", is_of_rate=True)},
         stays=DEVICE,
+        is_asked=True,
     ),
     Source(
         name="scale_factor_temperature_coefficient",
@@ -281,6 +307,8 @@ SOURCES = (
         effect=TemperatureCoefficient(),
         forms={ON_THE_WAY: OnTheWay("scale_factor")},
         stays=DEVICE,
+        use="temperature",
+        is_asked=True,
     ),
     Source(
         name="bias_over_temperature",
@@ -290,6 +318,11 @@ SOURCES = (
         stays=DEVICE,
         colour="blue",
         is_hatched=True,
+        use="temperature",
+        left_of=(
+            "bias_temperature_coefficient",
+            "bias_temperature_rate_coefficient",
+        ),
     ),
     Source(
         name="scale_factor_over_temperature",
@@ -299,6 +332,8 @@ SOURCES = (
         stays=DEVICE,
         colour="orange",
         is_hatched=True,
+        use="temperature",
+        left_of=("scale_factor_temperature_coefficient",),
     ),
     Source(
         name=AGEING["bias"],
@@ -307,6 +342,10 @@ SOURCES = (
         effect=Ageing("bias"),
         stays=DEVICE,
         colour="",
+        value="ageing",
+        beside=("bias_repeatability",),
+        use="age",
+        is_asked=True,
     ),
     Source(
         name=AGEING["scale_factor"],
@@ -315,15 +354,21 @@ SOURCES = (
         effect=Ageing("scale_factor"),
         stays=DEVICE,
         colour="",
+        value="ageing",
+        beside=("scale_factor_repeatability",),
+        use="age",
+        is_asked=True,
     ),
     Source(
-        name="vibration_rectification",
+        name=RECTIFICATION,
         units={GYRO: "deg/h/g^2", ACCELEROMETER: "ug/g^2"},
         model="random constant of the device: bias over the square of a vibration",
         effect=VibrationRectification(),
         stays=DEVICE,
         colour="yellow",
         is_hatched=True,
+        use="vibration",
+        is_asked=True,
     ),
     Source(
         name="initial_bias",
@@ -522,17 +567,44 @@ SOURCES = (
     ),
 )
 
-# Lines that a value per root of hertz may stand for.
-WALKS = tuple(one.name for one in SOURCES if isinstance(one.effect, WhiteNoise | Walk))
 # What white noise may be given as: as a random walk or by the sample, not as both.
 WHITE = tuple(one.name for one in SOURCES if one.expected == "noise")
 SAMPLE_NOISE = next(one.name for one in SOURCES if isinstance(one.effect, SampleNoise))
 
 
 @cache
+def from_outside() -> Outside:
+    """Return the lines of other packages, looked for once."""
+    from budget.model.sources.outside import find_outside
+
+    return find_outside(source.name for source in SOURCES)
+
+
+def every_source() -> tuple[Source, ...]:
+    """Return all sources in their order, those of other packages last."""
+    return (*SOURCES, *from_outside().sources)
+
+
+def outside_faults() -> tuple[str, ...]:
+    """Return what is wrong with lines of other packages, if they were looked for."""
+    was_asked = from_outside.cache_info().currsize
+    return tuple(from_outside().faults.values()) if was_asked else ()
+
+
+def blamed_outside(error: BaseException) -> str:
+    """Say in which other package's line an error arose; '' in none."""
+    if not from_outside.cache_info().currsize:
+        return ""
+    from budget.model.sources.outside import blamed
+
+    return blamed(error, from_outside().sources)
+
+
+@cache
 def lines_of(owner: str) -> tuple[Source, ...]:
     """Return the sources that an owner can have, in their order."""
-    return tuple(source for source in SOURCES if source.like(owner))
+    every = every_source() if owner in SENSORS else SOURCES
+    return tuple(source for source in every if source.like(owner))
 
 
 @cache
@@ -544,12 +616,16 @@ def source_of(owner: str, name: str) -> Source:
     CallError
         The table has no such source: nothing is taken for what it is not.
     """
-    for source in SOURCES:
+    for source in SOURCES:  # others are looked for where it is none of these
         if source.name == name and source.like(owner):
             return source
+    for source in from_outside().sources:
+        if source.name == name and source.like(owner):
+            return source
+    fault = from_outside().faults.get(name, "")
     raise CallError(
         f"{owner}.{name} is no error source; there are: {_names(lines_of(owner))}. "
-        "A new source is a row of budget.model.sources"
+        + (fault or "A new source is a row of budget.model.sources")
     )
 
 
@@ -559,8 +635,8 @@ def _names(sources: Iterable[Source]) -> str:
 
 def walk_of(sensor: str) -> str:
     """Return the random walk that white noise is on that sensor."""
-    names = (line.name for line in lines_of(sensor))
-    return next(name for name in names if name in WHITE and name in WALKS)
+    white = (one for one in SOURCES if one.value == "walk" and one.expected)
+    return next(one.name for one in white if one.like(sensor))
 
 
 def twin_of(name: str) -> str:

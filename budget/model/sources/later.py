@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 MISSION_TEMPERATURE = "temperature.mission"
 TEST_VIBRATION, MISSION_VIBRATION = "vibration.test", "vibration.mission"
 AGE = "age"
+RECTIFICATION = "vibration_rectification"
 DRIFT, RANDOM_WALK = "drift", "random_walk"
 AGEING = {"bias": "ageing", "scale_factor": "scale_factor_ageing"}  # by the parameter
 
@@ -77,7 +78,7 @@ class Vibration(Coefficient):
     """Rms of a vibration, which is known."""
 
     needs = "sources.rectification"
-    partners = ("vibration_rectification",)
+    partners = (RECTIFICATION,)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,9 @@ WAVES_PER_OCTAVE = 6  # of a flicker in the simulation
 class WhiteNoise(Noise):
     """Angle or velocity random walk: white noise of density N."""
 
+    formula = "u_L^2 = N^2/L"
+    letters = "sources.white_noise"
+
     def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
         """Return white noise of that density."""
         return White(float(given.u[axis]))
@@ -53,6 +56,9 @@ class WhiteNoise(Noise):
 @dataclass(frozen=True)
 class SampleNoise(Noise):
     """White noise of every sample, sigma at the sample rate: Zhao 2019, 2.2.2."""
+
+    formula = "u_L^2 = sigma^2/(f L)"
+    letters = "sources.sample_noise"
 
     def process(self, given: Given, axis: int, sample_rate: float) -> Process:
         """Return white noise: the variance of an average is sigma^2 / (f L)."""
@@ -75,6 +81,9 @@ class SampleNoise(Noise):
 @dataclass(frozen=True)
 class Walk(Noise):
     """Rate or acceleration random walk, 0 at the start of the test."""
+
+    formula = "u_L^2 = K^2 (s + L/3)"
+    letters = "sources.walk"
 
     def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
         """Return the integral of white noise of density K."""
@@ -104,6 +113,9 @@ class Walk(Noise):
 @dataclass(frozen=True)
 class Stability(Noise):
     """First-order Gauss-Markov process, stationary: Zhao 2019, 2.1.1."""
+
+    formula = r"u_L^2 = 2 sigma^2 (tau/L)^2 (L/tau - 1 + e^(-L\/tau))"
+    letters = "sources.gauss_markov"
 
     own: str = "bias"
 
@@ -144,6 +156,9 @@ class Stability(Noise):
 class Quantization(Noise):
     """Rounding of increments of angle or velocity, step q."""
 
+    formula = "u_L^2 = q^2/(6 L^2)"
+    letters = "sources.rounding"
+
     def process(self, given: Given, axis: int, sample_rate: float) -> Process:  # noqa: ARG002
         """Return the rounding of that step."""
         return Quantized(float(given.u[axis]))
@@ -173,6 +188,9 @@ class Quantization(Noise):
 @dataclass(frozen=True)
 class FlickerNoise(Noise):
     """Bias instability as flicker, of coefficient B above a low cut."""
+
+    formula = r'u_L^2 = B^2/pi ((x sin x + 1 - cos x)\/x^2 - "Ci"(x))'
+    letters = "sources.flicker"
 
     own: str = "bias"
 

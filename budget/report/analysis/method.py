@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from budget.calibration.schemes import scheme_of
-from budget.model.norm import NormScheme
+from budget.model.estimators import FORMULAS, estimator_of
 from budget.model.response import STATISTICS
-from budget.model.rotation import RotationScheme
-from budget.names import AXES, by_group, parameters_of
+from budget.model.source import Noise
+from budget.model.sources import source_of
+from budget.names import by_group, parameters_of
 from budget.question import sensors_of
+from budget.report.formulas import check_formula
 from budget.report.pages import sections
 from budget.report.standing import error_reference
+from budget.sentences import described
 from budget.settings import further
 
 if TYPE_CHECKING:
@@ -45,8 +46,19 @@ def method_section(
     full: bool = True,
 ) -> Section:
     """Return settings and references, in full formulas; of the sensors there are."""
-    has_weights = procedure.formulas in {"least_squares", "weighted", "norm"}
+    has_weights = estimator_of(procedure.formulas) is not FORMULAS
     weighed = sensors_of(tuple(devices), procedure) if has_weights else ()
+    noises: dict[str, str] = {}
+    others: dict[str, str] = {}
+    for sensor in (sensor for device in devices for sensor in device.sensors):
+        for line in sensor.lines if full else ():
+            source = source_of(sensor.kind, line.name).meant(line)
+            effect = source.effect
+            if source.origin:
+                check_formula(source)
+            if effect.formula:
+                said = noises if isinstance(effect, Noise) else others
+                said[effect.formula] = described(effect.letters)
     (section,) = sections(
         "method",
         full=full,
@@ -57,12 +69,8 @@ def method_section(
         further=further(settings),
         by_group=by_group,
         weights=[_weights(scheme_of(one.kind, procedure, one)) for one in weighed],
-        lines={  # of other forms the formulas are not these
-            line.form or line.name
-            for device in devices
-            for sensor in device.sensors
-            for line in sensor.lines
-        },
+        noises=noises.items(),
+        others=others.items(),
     )
     return section
 
@@ -86,23 +94,12 @@ class Weights:
 
 def _weights(scheme: Scheme) -> Weights:
     """Gather the weights of one triad."""
-    windows, inputs = scheme.schedule.windows, scheme.turn + scheme.standing
-    parts = [(window.name, u) for window, u in zip(windows, inputs, strict=True)]
-    kind, names = "windows", ()
-    if isinstance(scheme, RotationScheme | NormScheme):
+    (parts, by_axis), names = scheme.shown_weights(), ()
+    if scheme.weighed != "windows" and scheme.held is not None:
         names = tuple(parameters_of(scheme.owner)[k] for k in scheme.held.estimated)
-    if isinstance(scheme, RotationScheme):
-        kind, parts, W = "rotation", scheme.parts, scheme.inverse[scheme.held.estimated]
-        by_axis = {axis: W[:, k::3] for k, axis in enumerate(AXES)}
-    elif isinstance(scheme, NormScheme):
-        kind, by_axis = "norm", {"": scheme.norm_weights}
-    elif all(np.array_equal(scheme.weights[0], W) for W in scheme.weights):
-        by_axis = {"": scheme.weights[0]}
-    else:
-        by_axis = dict(zip(AXES, scheme.weights, strict=True))
     return Weights(
         scheme=scheme,
-        kind=kind,
+        kind=scheme.weighed,
         names=names,
         columns=len(next(iter(by_axis.values()))),
         groups=tuple(

@@ -32,13 +32,13 @@ from budget.report.figures.style import (
     ON_DARK,
     OTHER,
     PAPER,
-    STYLES,
     WIDE,
     WIDTH,
     Scale,
     fits,
     in_order,
     look_of,
+    looks,
 )
 from budget.report.figures.tabled import CELL, entries, heads_of
 from budget.report.pages import figure
@@ -63,7 +63,7 @@ if TYPE_CHECKING:
     from budget.report.figures.rows import ChartMark
     from budget.report.tables import GroupTable
     from budget.results import Budget, OutputBudget, SobolIndex
-    from budget.studies.coupling import CouplingTable
+    from budget.studies.evidence import CouplingTable
 
     Part = tuple[Name, float]  # a source, and its share of a variance
 
@@ -217,7 +217,7 @@ def gathered(shares: Mapping[Name, float]) -> list[tuple[Name, float]]:
     bar = [
         (name, shares[name])
         for name in in_order(shares)
-        if name.quantity in STYLES and shares[name] >= SMALL_SHARE
+        if name.quantity in looks() and shares[name] >= SMALL_SHARE
     ]
     rest = fsum(shares.values()) - fsum(share for _, share in bar)
     small = any(0.0 < share < SMALL_SHARE for share in shares.values())

@@ -11,12 +11,12 @@ import re
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import product
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
-from budget.model.sources import SOURCES
+from budget.model.source import COLOURS
+from budget.model.sources import every_source
 from budget.names import Name
 from budget.report.blocks import Picture
 from budget.report.fonts import drawing_library
@@ -42,50 +42,56 @@ INCH = 72.0  # [pt]
 # the paper. The ninth source is the second of the scale factor, hatched.
 ORANGE, SKY, GREEN, YELLOW = "#A77201", "#078DC5", "#009E73", "#A0970A"
 BLUE, VERMILION, PURPLE, BLACK = "#0072B2", "#AA4A01", "#B3548B", "#000000"
-INKS = {
-    "orange": ORANGE,
-    "sky": SKY,
-    "green": GREEN,
-    "yellow": YELLOW,
-    "blue": BLUE,
-    "vermilion": VERMILION,
-    "purple": PURPLE,
-    "black": BLACK,
-}
+INKS = dict(
+    zip(
+        COLOURS,
+        (ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE, BLACK),
+        strict=True,
+    )
+)
 ON_DARK, ON_LIGHT = "#ffffff", "#111111"  # text on a segment
 DARK = ("blue", "vermilion", "purple", "black")
 HATCH = "////"
 REST = "#8e949c"  # of what has no look of its own
 OTHER = Name("other")
-# Of station and environment, in the order of the table: every ink, hatch by hatch.
-SHARED = {
-    source.name: (ink, hatch, "")
-    for source, (hatch, ink) in zip(
-        sorted(
-            (
-                one
-                for one in SOURCES
-                if one.may_vary and (one.shared or not (one.colour and one.varies))
-            ),
-            key=lambda one: (not one.shared, not one.varies),
-        ),
-        product(("....", "\\\\\\\\", "----", "++++"), INKS.values()),
-        strict=False,
-    )
-}
-STYLES = {  # source: (colour, hatch, colour of text), in the order of the segments
-    **{
-        source.name: SHARED[source.name]
-        if source.name in SHARED
-        else (INKS[source.colour], HATCH, "")  # no text on a hatch
-        if source.is_hatched
-        else (INKS[source.colour], "", ON_DARK if source.colour in DARK else ON_LIGHT)
-        for source in SOURCES
-        if source.may_vary
-    },
-    INTERACTION: (REST, "xxxx", ""),
-    OTHER: (REST, "", ON_LIGHT),
-}
+# Those that have no look of their own: of station and environment, and left over.
+LEFT_OVER = ("....", "\\\\\\\\", "----", "++++")
+Look = tuple[str, str, str]  # colour, hatch, colour of text: none on a hatch
+
+
+@cache
+def looks() -> Mapping[str, Look]:
+    """Return the look of each source, in the order of the segments.
+
+    Those without a colour have every ink, hatch by hatch, in the order of the table;
+    those of other packages the first look of their colour that nobody has.
+    """
+    every = [one for one in every_source() if one.may_vary]
+    own = [one for one in every if not one.origin]
+    left = [one for one in own if one.shared or not (one.colour and one.varies)]
+    left.sort(key=lambda one: (not one.shared, not one.varies))
+    spare = (_look(ink, hatch) for hatch in LEFT_OVER for ink in COLOURS)
+    found = dict(zip((one.name for one in left), spare, strict=False))
+    for one in own:
+        if one.name not in found:
+            found[one.name] = _look(one.colour, HATCH if one.is_hatched else "")
+    for one in every[len(own) :]:
+        inks = (one.colour,) if one.colour else COLOURS
+        tried = [_look(ink, hatch) for hatch in ("", HATCH, *LEFT_OVER) for ink in inks]
+        free = (look for look in tried if look not in found.values())
+        found[one.name] = next(free, tried[-1])
+    return {
+        **{one.name: found[one.name] for one in every},
+        INTERACTION: (REST, "xxxx", ""),
+        OTHER: (REST, "", ON_LIGHT),
+    }
+
+
+def _look(ink: str, hatch: str) -> Look:
+    """Return the look of a colour by name, with a hatch or ''."""
+    return INKS[ink], hatch, "" if hatch else ON_DARK if ink in DARK else ON_LIGHT
+
+
 STYLE: dict[Any, Any] = {  # text stays text; ids do not change from run to run
     "svg.fonttype": "none",
     "svg.hashsalt": "budget",
@@ -102,9 +108,9 @@ OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
 _STYLED: ContextVar[bool] = ContextVar("_STYLED", default=False)
 
 
-def look_of(source: Name) -> tuple[str, str, str]:
+def look_of(source: Name) -> Look:
     """Return colour, hatch and colour of text of a source, whoever owns it."""
-    return STYLES.get(source.quantity, STYLES[OTHER])
+    return looks().get(source.quantity, looks()[OTHER])
 
 
 @contextmanager
@@ -417,7 +423,7 @@ def rgb(colour: str) -> tuple[float, float, float]:
 
 def in_order(sources: Iterable[Name]) -> list[Name]:
     """Sort sources as every figure does; those without a look of their own last."""
-    places = {name: place for place, name in enumerate(STYLES)}
+    places = {name: place for place, name in enumerate(looks())}
     return sorted(sources, key=lambda name: places.get(name.quantity, len(places)))
 
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from budget.calibration.mission import on_the_way
 from budget.calibration.problem import retimed
-from budget.calibration.schemes import WEIGHTED
 from budget.distributions import NORMAL, normal_coverage_factor
 from budget.errors import CallError
 from budget.methods.allocation import Task, equal, sparing
 from budget.methods.least_cost import LeastCost, Prices, least_cost
 from budget.methods.scaling import scaled_law
+from budget.model.estimators import estimator_of
 from budget.names import Name
 from budget.studies.allocation.records import FREE, HELD, SHARED, ZERO, CoverageCheck
 from budget.studies.judgement import judge
@@ -180,7 +180,8 @@ class SensorCase:
     def _resized(self) -> Question:
         """Return it; its Problem has the groups of what there is, resized."""
         found = self.question.with_sensors(self.allocated)
-        if not self.is_tuned and self.question.procedure.formulas != WEIGHTED:
+        estimator = estimator_of(self.question.procedure.formulas)
+        if not self.is_tuned and not estimator.weighs_noise:
             vars(found)["problem"] = self.question.problem.resized(self.factors)
         return found
 

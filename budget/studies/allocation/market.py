@@ -9,7 +9,7 @@ import numpy as np
 
 from budget.errors import SpecError
 from budget.inputs import load_variants
-from budget.model.sources import BAND, SAMPLE_NOISE
+from budget.model.sources import BAND, SAMPLE_NOISE, SENSORS, walk_of
 from budget.names import Name
 from budget.resources import shipped
 from budget.studies.allocation.records import LineMatch, Match
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # White noise is printed as a density or for every sample: one is the other over the
 # root of the sample rate.
-DENSITIES = ("angle_random_walk", "velocity_random_walk")
+DENSITIES = tuple(map(walk_of, SENSORS))
 OTHERWISE = "given as another quantity"
 
 

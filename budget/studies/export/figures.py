@@ -19,7 +19,17 @@ import numpy as np
 
 from budget.inputs.specification import CORRELATION_TIME
 from budget.model.source import Offset
-from budget.model.sources import BAND, FLICKER, GYRO, SAMPLE_NOISE, source_of, walk_of
+from budget.model.sources import (
+    BAND,
+    FLICKER,
+    GYRO,
+    SAMPLE_NOISE,
+    lines_of,
+    source_of,
+    walk_of,
+)
+from budget.model.sources.power import Power
+from budget.model.sources.processes import FlickerNoise, Stability, Walk
 from budget.names import AXES, PARAMETERS, Name
 
 if TYPE_CHECKING:
@@ -27,6 +37,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine, Sensor
+    from budget.model.source import Effect
     from budget.results import Budget, FilledLine
 
 
@@ -167,18 +178,16 @@ def _noise(known: KnownFigures) -> Figure | Missing:
     return Figure(value=value, symbol="N", lines=tuple(given), steps=tuple(steps))
 
 
-def _walk_line(known: KnownFigures) -> ErrorLine | None:
-    """Return the random walk of the rate or acceleration."""
-    names = ("rate_random_walk", "acceleration_random_walk")
-    return next((line for line in known.sensor.lines if line.name in names), None)
+def _name_of(kind: str, effect: Effect) -> str:
+    """Return the line of a sensor that has that effect."""
+    return next(one.name for one in lines_of(kind) if one.effect == effect)
 
 
 def _walk(known: KnownFigures) -> Figure | Missing:
     """Return the random walk of the bias [SI unit/s/sqrt(Hz)]."""
-    line = _walk_line(known)
+    walk = _name_of(known.sensor.kind, Walk())
+    line = known.sensor.line(walk)
     if line is None:
-        of_gyro = known.sensor.kind == GYRO
-        walk = "rate_random_walk" if of_gyro else "acceleration_random_walk"
         return Missing(needs=known.name(walk))
     unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
     return Figure(
@@ -191,9 +200,10 @@ def _walk(known: KnownFigures) -> Figure | Missing:
 
 def _quadratic(known: KnownFigures) -> Figure | Missing:
     """Return K2, the coefficient of the square of the input [1/SI unit]."""
-    line = known.sensor.line("scale_factor_quadratic")
+    name = _name_of(known.sensor.kind, Power(2))
+    line = known.sensor.line(name)
     if line is None:
-        return Missing(needs=known.name("scale_factor_quadratic"))
+        return Missing(needs=known.name(name))
     per = "s/rad" if known.sensor.kind == GYRO else "s^2/m"
     said = f"K2 = {print_values(line.u)} {per}"
     steps = (origin(known, line), said)
@@ -202,12 +212,13 @@ def _quadratic(known: KnownFigures) -> Figure | Missing:
 
 def _stability(known: KnownFigures) -> Figure | Missing:
     """Return sigma of the Gauss-Markov process [SI]."""
-    line = known.sensor.line("bias_stability")
+    name = _name_of(known.sensor.kind, Stability())
+    line = known.sensor.line(name)
     if line is None:
         why = "not given"
-        if known.sensor.line("flicker") is not None:
+        if known.sensor.line(_name_of(known.sensor.kind, FlickerNoise())) is not None:
             why += ", and flicker is no Gauss-Markov process"
-        return Missing(needs=known.name("bias_stability"), why=why)
+        return Missing(needs=known.name(name), why=why)
     said = f"sigma = {print_values(line.u)} {_unit(known.sensor.kind)}"
     if line.form == FLICKER:
         said += ", the coefficient B of flicker noise, which a Gauss-Markov process "
@@ -222,10 +233,11 @@ def _stability(known: KnownFigures) -> Figure | Missing:
 
 def _time(known: KnownFigures) -> Figure | Missing:
     """Return the correlation time of the Gauss-Markov process [s]."""
-    line = known.sensor.line("bias_stability")
+    name = known.name(_name_of(known.sensor.kind, Stability()))
+    line = known.sensor.line(name.quantity)
     if line is None:
-        return Missing(needs=known.name("bias_stability"))
-    name, value = known.name(line.name), line.correlation_time
+        return Missing(needs=name)
+    value = line.correlation_time
     said = f"correlation time of {name}"
     if value is None:
         value = np.full(len(AXES), CORRELATION_TIME)
@@ -242,7 +254,8 @@ def _drift(known: KnownFigures) -> Figure | Missing:
     if isinstance(sigma, Missing) or isinstance(time, Missing):
         if isinstance(walk, Missing):
             why = sigma.why if isinstance(sigma, Missing) else walk.why
-            needs = f"{known.name('bias_stability')} or {walk.needs}"
+            stability = known.name(_name_of(known.sensor.kind, Stability()))
+            needs = f"{stability} or {walk.needs}"
             return Missing(needs=needs, why=why)
         return walk
     unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
@@ -317,15 +330,13 @@ def _step(known: KnownFigures) -> Figure | Missing:
     )
 
 
-def _constant(
-    parameter: str, expected: str
-) -> Callable[[KnownFigures], Figure | Missing]:
+def _constant(parameter: str) -> Callable[[KnownFigures], Figure | Missing]:
     """Return what finds the spread of a parameter, raw or after a calibration."""
 
     def find(known: KnownFigures) -> Figure | Missing:
         axes = PARAMETERS[parameter]
         names = [Name(parameter, owner=known.sensor.kind, axis=axis) for axis in axes]
-        raw = _raw(known, parameter, expected)
+        raw = _raw(known, parameter)
         if known.left is None:
             return raw
         rows = {row.output.name: row for row in known.left.outputs}
@@ -357,7 +368,7 @@ def _constant(
     return find
 
 
-def _raw(known: KnownFigures, parameter: str, expected: str) -> Figure | Missing:
+def _raw(known: KnownFigures, parameter: str) -> Figure | Missing:
     """Return the root sum square of the lines that shift a parameter."""
     kind = known.sensor.kind
     lines = [
@@ -366,6 +377,7 @@ def _raw(known: KnownFigures, parameter: str, expected: str) -> Figure | Missing
         for effect in (source_of(kind, line.name).meant(line).effect,)
         if isinstance(effect, Offset) and effect.target == parameter
     ]
+    expected = _name_of(kind, Offset(parameter))
     if expected not in {line.name for line in lines}:
         return Missing(needs=known.name(expected), axes=PARAMETERS[parameter])
     value = np.sqrt(np.sum([line.u**2 for line in lines], axis=0))
@@ -418,8 +430,8 @@ QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure | Missing]] = {
     "memory": _memory,
     "step": _step,
     "quadratic": _quadratic,
-    "bias": _constant("bias", "bias_repeatability"),
+    "bias": _constant("bias"),
     "total_bias": _total_bias,
-    "scale_factor": _constant("scale_factor", "scale_factor_repeatability"),
-    "mounting_angle": _constant("mounting_angle", "mounting_repeatability"),
+    "scale_factor": _constant("scale_factor"),
+    "mounting_angle": _constant("mounting_angle"),
 }

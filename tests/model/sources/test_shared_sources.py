@@ -18,18 +18,19 @@ from budget.inputs.records import ErrorLine
 from budget.methods.gum import propagate
 from budget.model.response import BIAS
 from budget.model.source import TEST, Disturbance, Source
-from budget.model.sources import SOURCES, STATION
+from budget.model.sources import SOURCES, STATION, lines_of, source_of
 from budget.names import Name
 from budget.question import Question
 from budget.report.allocation.page import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.figures.sources import coupling_chart, share_chart
+from budget.report.figures.style import looks
 from budget.report.inputs import inputs_section
 from budget.report.tables import group_tables
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.records import SHARED
 from budget.studies.analysis import analyze
-from budget.studies.coupling import coupling
+from budget.studies.evidence import coupling
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import DEG_PER_HOUR, MICRO_G
 
@@ -55,9 +56,15 @@ class Push(Disturbance):
         return act
 
 
+def forget():
+    """Ask for the table of sources anew."""
+    for one in (lines_of, source_of, looks):
+        one.cache_clear()
+
+
 @pytest.fixture
 def procedure(monkeypatch):
-    """Return the paper's procedure at a station that pushes."""
+    """Yield the paper's procedure at a station that pushes."""
     source = Source(
         name="push",
         units={STATION: "ppm"},
@@ -75,7 +82,10 @@ def procedure(monkeypatch):
         unit="ppm",
         si_per_unit=1.0,
     )
-    return replace(load_procedure(), station=(line,))
+    forget()
+    yield replace(load_procedure(), station=(line,))
+    monkeypatch.undo()
+    forget()
 
 
 @pytest.fixture
@@ -105,7 +115,7 @@ def test_figures_and_tables_show_it_as_the_stations(procedure):
     budget = analyze(ZHAO, procedure=procedure, validate=False)
     groups = group_tables(budget)
     biases = [group for group in groups if group.parameter == "bias"]
-    table = coupling(ZHAO.sensors, procedure)
+    table = coupling(budget.question)
 
     assert [group.sensor for group in biases] == ["gyro", "accelerometer"]
     for group in biases:

@@ -21,7 +21,7 @@ from budget.report.inputs import inputs_section, procedure_section
 from budget.report.tables import group_tables, print_share
 from budget.studies.analysis import analyze
 from budget.studies.cautions import unfelt
-from budget.studies.coupling import coupling_by_law
+from budget.studies.evidence import coupling
 
 PLAIN = """name: plain
 accelerometer:
@@ -258,11 +258,11 @@ def test_the_coupling_figure_has_a_head_for_every_owner(shaky):
     """Rows of station and environment under their own heads, named within them."""
     device, procedure = shaky
     question = question_of(analyze(device, procedure=procedure, validate=False))
-    table = coupling_by_law(question.problem, question.law, procedure.formulas)
+    table = coupling(question)
     chart = coupling_chart(table, "gyro")
     assert [group.title for group in chart.groups][:3] == ["gyro", *SHARED]
     assert [row.label for row in chart.groups[1].rows] == ["turn angle", "azimuth"]
     assert_says(chart.alt, "station: turn angle", "environment: temperature ramp")
     bare = question_of(analyze(device, validate=False))
-    alone = coupling_by_law(bare.problem, bare.law, procedure.formulas)
+    alone = coupling(bare)
     assert coupling_chart(alone, "gyro").groups[0].title == ""

@@ -42,7 +42,7 @@ from budget.report.figures.timeline import schedule_chart
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.studies.analysis import analyze
-from budget.studies.coupling import coupling_by_law
+from budget.studies.evidence import coupling
 
 
 @cache
@@ -150,8 +150,7 @@ def charts(name):
     yield share_chart(groups[-1])
     yield correlation_chart(of)
     yield overview_chart(groups)
-    question = question_of(of)
-    table = coupling_by_law(question.problem, question.law, "corrected")
+    table = coupling(question_of(of))
     yield from (coupling_chart(table, sensor) for sensor in ("gyro", "accelerometer"))
 
 

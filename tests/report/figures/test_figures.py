@@ -55,10 +55,10 @@ from budget.report.figures.style import (
     INKS,
     ON_DARK,
     REST,
-    STYLES,
     folded,
     headed,
     in_order,
+    looks,
     to_svg,
 )
 from budget.report.figures.timeline import schedule_chart
@@ -149,9 +149,9 @@ def test_each_group_has_a_bar_of_its_whole_variance():
     for row, group in zip(rows, group_tables(budget), strict=True):
         assert row.marks[0].start == 0.0
         assert_allclose(row.marks[-1].end, 100.0, rtol=1e-12)
-        looks = [mark.colour for mark in row.marks if mark.colour != REST]
-        order = [STYLES[name.quantity][0] for name in in_order(sources_of(group))]
-        assert looks == [one for one in order if one in looks]
+        inks = [mark.colour for mark in row.marks if mark.colour != REST]
+        order = [looks()[name.quantity][0] for name in in_order(sources_of(group))]
+        assert inks == [one for one in order if one in inks]
     assert_says(chart.title, "of the variance of the")
     assert "rest" not in chart.alt
 
@@ -200,9 +200,9 @@ def test_order_of_segments_is_that_of_the_styles():
 def test_a_source_looks_the_same_in_both_triads_only():
     """No two sources of one triad share colour and hatch."""
     twins = {"velocity_random_walk", "acceleration_random_walk"}
-    looks = [style[:2] for name, style in STYLES.items() if name not in twins]
+    found = [look[:2] for name, look in looks().items() if name not in twins]
 
-    assert len(set(looks)) == len(looks)
+    assert len(set(found)) == len(found)
 
 
 def test_title_states_the_largest_cause():
@@ -305,7 +305,7 @@ def test_far_exceeded_limits_fit_the_axis():
 
 def test_styles_cover_the_example_sources():
     """Every source of the built-in device has a colour of its own."""
-    assert {name for sources in GYRO.values() for name in sources} <= set(STYLES)
+    assert {name for sources in GYRO.values() for name in sources} <= set(looks())
 
 
 # Every figure of the report, from one example each.
@@ -400,7 +400,7 @@ def test_every_segment_has_its_tip():
 
 def test_sources_have_one_order_and_colour_in_all_figures():
     """Shares, coupling and indices list sources in the order of the styles."""
-    names = [name.replace("_", " ") for name in STYLES]
+    names = [name.replace("_", " ") for name in looks()]
     coupling = draw(coupling_chart(make_coupling(), "gyro")).axes[0]
     indices = draw(sobol_chart(with_indices(make_budget()), "gyro")).axes[0]
     rows = [label.get_text() for label in coupling.get_yticklabels()]
@@ -409,7 +409,7 @@ def test_sources_have_one_order_and_colour_in_all_figures():
 
     assert rows == sorted(rows, key=names.index)
     assert bias == ["bias repeatability", "bias stability", "angle random walk"]
-    assert {STYLES["bias_repeatability"][0], STYLES["bias_stability"][0]} <= colours
+    assert {looks()["bias_repeatability"][0], looks()["bias_stability"][0]} <= colours
 
 
 @pytest.mark.parametrize(("paper", "ink"), [("#ffffff", INK), ("#15181c", "#e6e8eb")])
@@ -643,7 +643,7 @@ def page_inks(is_dark):
 def test_every_source_stands_out_from_the_paper(is_dark):
     """Colours have a contrast of 3:1 to both papers, and texts one of 4.5:1 to them."""
     inks = page_inks(is_dark)
-    for name, (colour, _, ink) in STYLES.items():
+    for name, (colour, _, ink) in looks().items():
         shade = rgb(inks["--black"] if colour == BLACK else colour)
 
         assert contrast(shade, rgb(inks["--paper"])) >= 3.0, name

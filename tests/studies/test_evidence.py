@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from builders import paper_accelerometer, paper_gyro, procedure, sensor
+from builders import asked, paper_accelerometer, paper_gyro, procedure, sensor
 from numpy.testing import assert_allclose
 
 from budget.calibration.problem import calibration_problem
@@ -12,11 +12,10 @@ from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
 from budget.model.sources import source_of
-from budget.studies.coupling import METHODS, coupling
+from budget.studies.evidence import coupling
 
 GYRO = paper_gyro(scale_factor_nonlinearity=30e-6, scale_factor_asymmetry=1250e-6)
 ACCELEROMETER = paper_accelerometer(scale_factor_nonlinearity=30e-6)
-SHORT = {"sample_rate": 10.0, "dwell": 20.0}  # a simulation that takes no time
 
 # Scale factors, angles, bias; by the corrected formulas.
 REACHES = {
@@ -37,6 +36,11 @@ REACHES = {
 PARAMETERS = ("scale_factor", "mounting_angle", "bias")
 
 
+def found(*sensors, plan=None):
+    """Return the table of these triads."""
+    return coupling(asked(*sensors, procedure=plan or procedure()))
+
+
 def reached(table):
     """Return the table as {source: (scale factors, angles, bias)}."""
     return {
@@ -48,26 +52,21 @@ def reached(table):
     }
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_study_finds_the_coupling_table(method):
-    """By every method, both sensors at once, a source reaches what it should."""
-    plan = procedure(**SHORT) if method == "simulation" else procedure()
-    table = coupling((GYRO, ACCELEROMETER), plan, method=method)
-    assert reached(table) == REACHES
+def test_study_finds_the_coupling_table():
+    """Both sensors at once, a source reaches what it should."""
+    assert reached(found(GYRO, ACCELEROMETER)) == REACHES
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_paper_formula_couples_mounting_to_the_gyro_bias(method):
+def test_paper_formula_couples_mounting_to_the_gyro_bias():
     """Eq. (4) as printed changes one cell of the table and no other."""
-    plan = procedure(formulas="paper", **(SHORT if method == "simulation" else {}))
-    table = coupling((GYRO, ACCELEROMETER), plan, method=method)
+    table = found(GYRO, ACCELEROMETER, plan=procedure(formulas="paper"))
     expected = {**REACHES, "gyro.mounting_repeatability": (False, True, True)}
     assert reached(table) == expected
 
 
 def test_own_constants_have_the_size_of_their_line():
     """Where a random constant is the parameter's own, u is the data sheet's figure."""
-    table = coupling((GYRO, ACCELEROMETER), procedure())
+    table = found(GYRO, ACCELEROMETER)
     own = [
         cell
         for cell in table.cells
@@ -83,7 +82,7 @@ def test_own_constants_have_the_size_of_their_line():
 
 def test_sizes_of_a_group_with_equal_axes_are_parts_of_one_whole():
     """Squares of the sizes in a column sum to 1 where all axes are alike."""
-    table = coupling((GYRO,), procedure())
+    table = found(GYRO)
     for parameter in ("scale_factor", "bias"):
         column = [c.size for c in table.cells if c.group == f"gyro.{parameter}"]
         # Asymmetry, 1e-3 of the rest, differs by axis through the earth rate.
@@ -94,17 +93,15 @@ def test_a_spread_at_the_resolution_is_none():
     """A bias that repeats to 1e-20 deg/h is not said to reach the bias."""
     still = sensor("gyro", {"bias_repeatability": 1e-26})
     loud = sensor("gyro", {"bias_repeatability": 1e-12})
-    for found, reaches in ((still, False), (loud, True)):
-        cell = coupling((found,), procedure()).cell(
-            "gyro.bias_repeatability", "gyro.bias"
-        )
+    for one, reaches in ((still, False), (loud, True)):
+        cell = found(one).cell("gyro.bias_repeatability", "gyro.bias")
         assert cell.reaches is reaches
         assert (cell.size > 0.0) is reaches
 
 
 def test_sources_and_groups_of_two_sensors_share_no_cell():
     """A gyro source has no cell beside an accelerometer parameter."""
-    table = coupling((GYRO, ACCELEROMETER), procedure())
+    table = found(GYRO, ACCELEROMETER)
     with pytest.raises(KeyError):
         table.cell("gyro.bias_repeatability", "accelerometer.bias")
 
