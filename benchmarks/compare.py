@@ -2,7 +2,10 @@
 
 The files are the shipped devices with every figure moved by up to a fifth. Each number
 of devices is compared by a process of its own, started as a user starts it; time and
-memory are the process' own. Run: python benchmarks/compare.py [FILES]
+memory are the process' own. With a checkout of another revision each is compared by
+that too, one after the other, and the last column says how many times as long it
+takes: on a busy machine that is the number to trust.
+Run: python benchmarks/compare.py [FILES [CHECKOUT]]
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ import numpy as np
 
 from budget.inputs import load_catalogue
 
+ROOT = Path(__file__).resolve().parent.parent
 FILES = 1000
 REQUIREMENT = "catalogue-edge"
 SPREAD = 0.2  # largest relative change of a figure
@@ -31,7 +35,7 @@ class Cost:
 
     wall: float  # [s]
     used: float  # of the processor [s]
-    memory: float  # the most of all processes so far [MB]
+    memory: float  # the most of this and smaller numbers [MB]
 
 
 def write_devices(folder: Path, number: int, *, seed: int = 0) -> list[Path]:
@@ -56,8 +60,8 @@ def write_devices(folder: Path, number: int, *, seed: int = 0) -> list[Path]:
     return paths
 
 
-def run(paths: list[Path], folder: Path) -> Cost:
-    """Compare them in a process of one core."""
+def run(paths: list[Path], folder: Path, tree: Path) -> Cost:
+    """Compare them in a process of one core, by the package of a checkout."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun = time.perf_counter()
     call = [sys.executable, "-m", "budget", "compare", *map(str, paths)]
@@ -66,7 +70,13 @@ def run(paths: list[Path], folder: Path) -> Cost:
         [*call, "--json", str(folder / "result.json")],
         check=False,
         stdout=subprocess.DEVNULL,
-        env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        cwd=tree,
+        env={
+            **os.environ,
+            "OMP_NUM_THREADS": "1",
+            "OPENBLAS_NUM_THREADS": "1",
+            "PYTHONPATH": os.pathsep.join([str(tree), str(tree / "examples")]),
+        },
     )
     wall = time.perf_counter() - begun
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -77,13 +87,20 @@ def run(paths: list[Path], folder: Path) -> Cost:
 def main() -> None:
     """Print a line for a quarter, a half and all of the files."""
     most = int(sys.argv[1]) if len(sys.argv) > 1 else FILES
+    others = [Path(one).resolve() for one in sys.argv[2:3]]
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         paths = write_devices(folder, most)
-        print("files  wall [s]  processor [s]  memory so far [MB]")
+        print("files  wall [s]  processor [s]  memory so far [MB]  times before")
         for number in (most // 4, most // 2, most):
-            cost = run(paths[:number], folder)
-            print(f"{number:5d}{cost.wall:10.1f}{cost.used:15.1f}{cost.memory:20.0f}")
+            cost = run(paths[:number], folder, ROOT)
+            before = [run(paths[:number], folder, one).used for one in others]
+            ratio = "".join(f"{one / cost.used:14.1f}" for one in before)
+            print(
+                f"{number:5d}{cost.wall:10.1f}{cost.used:15.1f}{cost.memory:20.0f}"
+                f"{ratio}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
+GIVEN = ROOT / "tests" / "guard" / "inputs"
 ROUNDS = 5
 NORMALS = 4096 * 48 * 100
 WANTED = """\
@@ -58,15 +59,14 @@ COMMANDS = {
         *("--allocate", "--no-validate", "-o", "r.html"),
     ),
     "`allocate` by norm and turns": (
-        *("allocate", "stim300", "--requirement", "wanted.yaml", "--no-validate"),
-        *("--procedure", "norm-and-turns-by-hand"),
+        *("allocate", f"{GIVEN}/imu.yaml", "--requirement", f"{GIVEN}/bench.yaml"),
+        *("--no-validate", "--procedure", "norm-and-turns-by-hand"),
     ),
 }
 FLOORS = {
     "Monte Carlo, over the floor of its normals": (None, ("gyro", "accelerometer")),
     "the same, estimator `norm`": ("norm-eighteen-positions", ("accelerometer",)),
 }
-UNITS = {"over": "1"}
 
 
 def yardstick() -> float:

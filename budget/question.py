@@ -374,6 +374,10 @@ class Question:
             self._kept[key] = make()
         return self._kept[key]
 
+    def let_go(self) -> None:
+        """Forget what was made of it, that knows it in turn: of thousands all stood."""
+        self._kept.clear()
+
     def under(self, procedure: Procedure) -> Question:
         """Return the same after another calibration."""
         if procedure is self.procedure:
@@ -563,6 +567,22 @@ class Question:
         if self.requirement is None:
             return None
         return Limited.of(self.problem, self.requirement)
+
+    @property
+    def limits(self) -> Limited:
+        """Its Problem with the limits on it.
+
+        Raises
+        ------
+        CallError
+            Nothing is required of it.
+        """
+        if self.held is None:
+            raise CallError(
+                f"{self.wanted.name} limits nothing of the {self.owner}; "
+                "add limits for it, or leave it out"
+            )
+        return self.held
 
     @cached_property
     def outputs(self) -> tuple[Name, ...] | None:

@@ -1,6 +1,6 @@
 """What makers call the lines of a device file: the words, and where a page reads them.
 
-The words are data, specs/makers.yaml, of other packages their rows; error messages, the
+The words are data, makers.yaml beside this, of other packages their rows; messages, the
 JSON Schema, `budget new` and docs/datasheets.md read them.
 """
 
@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from budget.model.sources import every_source
-from budget.resources import shipped
 from budget.units import ONE_SIDED
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def readings() -> tuple[Reading, ...]:
     """Return the lines with their words, those of other packages by what they say."""
     import yaml
 
-    text = shipped("specs", "makers.yaml").read_text(encoding="utf-8")
+    text = Path(__file__).with_name("makers.yaml").read_text(encoding="utf-8")
     own = (Reading(**one) for one in yaml.safe_load(text))
     others = (one for one in every_source() if one.origin)
     return (

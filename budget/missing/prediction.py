@@ -78,7 +78,8 @@ ROUNDS_NEAR = 1  # from a fit of figures of which one device is as before
 # Designs that give a line, of which one more can be predicted: fewer say nothing of
 # the spread between designs.
 LEAST_DESIGNS = 3
-KEPT = 1000  # fits, of devices that are predicted again and again
+KEPT = 512  # fits, of devices that are predicted again and again
+AT_ONCE = 16  # fits: what they are made of takes 300 kB each
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,6 +183,8 @@ def predict(
     Prediction or None
         None where no line can be predicted.
     """
+    if not missing:
+        return None
     known = _Member.of(device, catalogue)
     meant = known.device
     if technology is not None:
@@ -194,7 +197,11 @@ def predict(
 
 def prepare(devices: Iterable[Device], catalogue: Sequence[Device]) -> None:
     """Fit what predictions of several devices take: at once, which is sooner done."""
-    members = [_Member.of(one, catalogue) for one in devices]
+    members = [
+        _Member.of(one, catalogue)
+        for one in devices
+        if any(sensor.expected_missing for sensor in one.sensors)
+    ]
     untold = [one for one in members if _known_family(one.device) == ""]
     _fit_all(members, None)
     for word in FAMILIES if untold else ():
@@ -462,12 +469,14 @@ class Others:
             alike.setdefault((more, bool(member), of_one), []).append(k)
         for (more, *_), places in alike.items():
             own = self._with(more)
-            with small_blocks():
-                fits = own.fits_alike(
-                    [members[k] for k in places],
-                    None if near is None else [near[k] for k in places],
-                )
-            found |= dict(zip((keys[k] for k in places), fits, strict=True))
+            for start in range(0, len(places), AT_ONCE):
+                some = places[start : start + AT_ONCE]
+                with small_blocks():
+                    fits = own.fits_alike(
+                        [members[k] for k in some],
+                        None if near is None else [near[k] for k in some],
+                    )
+                found |= dict(zip((keys[k] for k in some), fits, strict=True))
         self.kept.update(found)
         return [found[key] for key in keys]
 

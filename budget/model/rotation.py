@@ -30,6 +30,7 @@ from budget.model.norm import shown_of_errors
 from budget.model.response import (
     BIAS,
     COLUMN,
+    CYCLES,
     ROW,
     SIGN,
     CalibratedTriad,
@@ -217,14 +218,15 @@ def sensitivities(
     rows = 3 * (len(legs) + len(still))
     by_rate = np.zeros((rows, *turned.shape))
     by_direction = np.zeros((rows, *down.shape))
+    turns, means = rotation(-turned), mean_rotation(-turned)
     for k, leg in enumerate(legs):
         own = slice(3 * k, 3 * k + 3)
         Phi = np.eye(3)  # from the end of the step to the end of the leg
         across = _cross(down[leg.last])  # theta x u = -u x theta
         for step in reversed(leg.steps):
-            H = Phi @ mean_rotation(-turned[step])
+            H = Phi @ means[step]
             by_rate[own, step] = -across @ H * schedule_lengths[step]
-            Phi = Phi @ rotation(-turned[step])
+            Phi = Phi @ turns[step]
         by_direction[own, leg.first] = -Phi
         by_direction[own, leg.last] = np.eye(3)
     for k, place in enumerate(still, start=len(legs)):
@@ -241,22 +243,26 @@ def rotation(vector: Array) -> Array:
 
 
 def mean_rotation(vector: Array) -> Array:
-    """Return the mean of exp(s [v]x) over s from 0 to 1, shape (3, 3).
+    """Return the mean of exp(s [v]x) over s from 0 to 1, shape (..., 3, 3).
 
     I + [v]x (1 - cos a)/a^2 + [v]x^2 (a - sin a)/a^3, a the length of v.
     """
-    a = float(np.linalg.norm(vector))
+    a = np.linalg.norm(vector, axis=-1)[..., None, None]
     S = _cross(vector)
     half = np.sinc(a / (2.0 * np.pi))
     # (a - sin a)/a^3 loses digits where a is small: its series is exact below 0.1.
     small = 1.0 / 6.0 - a**2 / 120.0 + a**4 / 5040.0 - a**6 / 362880.0
-    third = small if a < 0.1 else (a - np.sin(a)) / a**3  # noqa: PLR2004
+    large = np.maximum(a, 0.1)
+    third = np.where(a < 0.1, small, (large - np.sin(large)) / large**3)  # noqa: PLR2004
     return np.asarray(np.eye(3) + 0.5 * half**2 * S + third * S @ S)
 
 
 def _cross(v: Array) -> Array:
     """Return [v]x, matrices (..., 3, 3) of the cross product with v, (..., 3)."""
-    return np.cross(v[..., None, :], np.eye(3), axis=-1).swapaxes(-1, -2)
+    found = np.zeros((*v.shape, 3))
+    for i, j, k in CYCLES:
+        found[..., j, i], found[..., i, j] = v[..., k], -v[..., k]
+    return found
 
 
 def _times(matrix: Array, rows: Array) -> Array:

@@ -114,8 +114,6 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
         verdicts.append(
             verdict_on(
                 own,
-                held,
-                own.law,
                 judged,
                 seed=seed,
                 readings=_readings(own, judged, seed),
@@ -160,7 +158,7 @@ def margins(question: Question) -> Iterator[tuple[Question, Margin]]:
         if own.held is None or not own.has_lines:
             continue
         judged = screen(own.held, own.law, seed=0)
-        yield own, Margin.of(own, own.held, own.law, judged, seed=0)
+        yield own, Margin.of(own, judged, seed=0)
 
 
 def open_to(

@@ -152,8 +152,6 @@ HALVINGS = 60  # to the rounding of a double
 
 def decide(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
@@ -165,9 +163,8 @@ def decide(
     Parameters
     ----------
     question : Question
-    held, law, judged
-        Its Problem with the limits, the law of that, and how it stands on what is given
-        and on what stands for lines that are not.
+    judged : Judged
+        How it stands on what is given and on what stands for lines that are not.
     seed : int
         Of trials, where the law is not sure enough.
     doubt : Doubt, optional
@@ -175,16 +172,14 @@ def decide(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    found = _decided(
-        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
-    )
-    aided = tuple(_of_aids(question, held, law))
+    found = _decided(question, judged, seed=seed, doubt=doubt, readings=readings)
+    aided = tuple(_of_aids(question))
     found = replace(found, cautions=(*found.cautions, *aided))
     if found.verdict in {UNDECIDABLE, FAILS}:
         return found
     lost = (
         *(one for one in found.cautions if one.kind == NO_TIME),
-        *_lost(question, held),
+        *_lost(question),
     )
     if not lost:
         return found
@@ -196,11 +191,10 @@ def decide(
     )
 
 
-def _of_aids(
-    question: Question, held: Limited, law: Propagation
-) -> Iterator[Condition]:
+def _of_aids(question: Question) -> Iterator[Condition]:
     """Yield what an aided mission is judged with, and where its filter is too sure."""
-    mission, outputs = question.journey, held.outputs
+    mission, held = question.journey, question.limits
+    outputs = held.outputs
     if mission is None or not mission.aiding:
         return
     times = Places.of([output.name for output in outputs]).times
@@ -211,16 +205,18 @@ def _of_aids(
         yield Condition(kind="aided", line=Name(AIDING), text=text)
     if mission.filter is not None and question.only is None:
         journey = journey_of(mission, times, question.sensors, question.procedure)
-        errors = believed(journey, outputs, law.standard_uncertainty[held.rows])
+        errors = believed(
+            journey, outputs, question.law.standard_uncertainty[held.rows]
+        )
         for said in overconfident(errors):
             yield Condition(kind="filter", line=Name(AIDING), text=said)
 
 
-def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
+def _lost(question: Question) -> tuple[Condition, ...]:
     """Return what leaves a verdict open where first order ends before a limit."""
     if question.journey is None:
         return ()
-    times = dict.fromkeys(output.name.time or 0.0 for output in held.outputs)
+    times = dict.fromkeys(output.name.time or 0.0 for output in question.limits.outputs)
     attitudes = [
         name
         for name in mission_outputs(question.journey, times)
@@ -239,8 +235,6 @@ def _lost(question: Question, held: Limited) -> tuple[Condition, ...]:
 
 def _decided(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
@@ -250,7 +244,7 @@ def _decided(
     """Return the verdict as far as the equations are of first order."""
     silent = unjudged(question)
     cautions, words = silent.cautions, replace(silent, conditions=())
-    given = verdict_of(judged, held.absent, doubt=doubt, readings=readings)
+    given = verdict_of(judged, question.limits.absent, doubt=doubt, readings=readings)
     if any(one.kind == SATURATES for one in cautions):
         given = FAILS
     if question.only is not None and given == MEETS:
@@ -270,7 +264,7 @@ def _decided(
         return replace(words, verdict=given, cautions=cautions)
     if not any(one.lines for one in question.there):
         return silent
-    margin = Margin.of(question, held, law, judged, seed=seed)
+    margin = Margin.of(question, judged, seed=seed)
     # What is predicted is in the doubt; what else nothing bounds decides all the same.
     decisive = margin.decisive if doubt is None else margin.without_ceiling
     conditions = tuple(
@@ -379,21 +373,18 @@ def unjudged(question: Question) -> Verdict:
 
 def verdict_on(
     question: Question,
-    held: Limited,
-    law: Propagation,
     judged: Judged,
     *,
     seed: int,
     readings: ReadingVerdicts | None = None,
 ) -> Verdict:
     """Return the verdict on a question with its numbers; arguments as of `decide`."""
+    held, law = question.limits, question.law
     prediction, missing = question.filled.prediction, question.missing
     doubt = None
     if prediction is not None and not missing and not held.absent:
         doubt = doubt_of(prediction, held, law, judged)
-    found = decide(
-        question, held, law, judged, seed=seed, doubt=doubt, readings=readings
-    )
+    found = decide(question, judged, seed=seed, doubt=doubt, readings=readings)
     outputs = assess_outputs(held, judged, found, question.lacks)
     why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
     is_bound = found.misses or bool(why)
@@ -417,11 +408,10 @@ def verdict_on(
 
 def stand(question: Question, *, seed: int) -> Verdict | None:
     """Judge a question, by few trials where they are needed; None: it has no limit."""
-    held, law = question.held, question.law
-    if held is None:
+    if question.held is None:
         return None
-    judged = judge(held, law, seed=seed, max_trials=TRIALS)
-    return decide(question, held, law, judged, seed=seed)
+    judged = judge(question.held, question.law, seed=seed, max_trials=TRIALS)
+    return decide(question, judged, seed=seed)
 
 
 def gravest(verdicts: Iterable[str]) -> str:
@@ -479,13 +469,12 @@ class Margin:
     def of(
         cls,
         question: Question,
-        held: Limited,
-        law: Propagation,
         judged: Judged,
         *,
         seed: int,
     ) -> Margin:
         """Compute what each missing line and each use that is not stated makes."""
+        held, law = question.limits, question.law
         names = expected_of(question)
         stands = {one.expected: one for one in question.filled.lines}
         silent = silent_of(question)
@@ -516,11 +505,11 @@ class Margin:
         found_of = question.with_lines(lines | probes).in_use(
             [PROBE[key] for key in unstated(question)]
         )
-        whole, found = found_of.held or held, found_of.law
+        whole, found = found_of.limits, found_of.law
         parts = np.concatenate(
             [
                 _parts(whole, found),
-                *(_of_test(question, held, name, sizes[name]) for name in in_test),
+                *(_of_test(question, name, sizes[name]) for name in in_test),
             ]
         )
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
@@ -615,7 +604,7 @@ class Margin:
         if margin.without_ceiling or not (lines and judged.by_trials.any()):
             return margin
         full = question.with_lines(lines)
-        top = full.held or held
+        top = full.limits
         at_top = judge(top, full.law, seed=seed, max_trials=TRIALS)
         if margin.jointly is not None:
             top_known = (margin.weights, at_top.utilisation)
@@ -1094,14 +1083,14 @@ def _standing(question: Question, name: Name, u: float) -> ErrorLine:
     return line_of(stand_in(name), name.owner, u)
 
 
-def _of_test(question: Question, held: Limited, name: Name, size: float) -> Array:
+def _of_test(question: Question, name: Name, size: float) -> Array:
     """Return the covariance that one coefficient has of the temperature of a test.
 
     Alone, as its sign beside that of others is not known: shape (1, n_required, 2, 2).
     """
     line = line_of(stand_in(name), name.owner, size)
     alone = question.with_lines({name: line}, less=COEFFICIENTS)
-    own = alone.held or held
+    own = alone.limits
     there = _temperatures_of_test(question.procedure)
     rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
     parts = _parts(own, alone.law)[rows]

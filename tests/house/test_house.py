@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
@@ -90,6 +91,20 @@ def test_imports_run_downwards():
     """No module imports from its own floor's neighbour or from above."""
     assert MODULES
     assert upward_imports(MODULES) == []
+
+
+def test_no_floor_names_a_module_of_one_above():
+    """Nor does one load another by its name from above: such texts name lower ones."""
+    named = [
+        f"{path.name} names {node.value}"
+        for path in MODULES
+        for node in nodes_of(path)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        if re.fullmatch(r"budget(\.\w+)+", node.value)
+        for other in [node.value.split(".")[1]]
+        if other != room_of(path) and FLOOR.get(other, 0) > FLOOR[room_of(path)]
+    ]
+    assert named == []
 
 
 def test_modules_say_what_they_are_for():

@@ -108,17 +108,3 @@ def test_one_word_has_one_meaning(tmp_path):
         "class Limit(str):\n    pass\n", encoding="utf-8"
     )
     assert twofold(tmp_path.glob("*.py")) == {"Limit"}
-
-
-def test_no_floor_names_a_module_of_one_above():
-    """What a module loads by its name stands in its own room, or in none of ours."""
-    names = {
-        (path.name, node.value)
-        for path in SHIPPED
-        if path.parent != PACKAGE or path.name != "__init__.py"
-        for node in nodes_of(path)
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-        if re.fullmatch(r"budget(\.\w+)+", node.value)
-        and not path.is_relative_to(PACKAGE / node.value.split(".")[1])
-    }
-    assert names == set()

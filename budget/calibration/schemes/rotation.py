@@ -33,7 +33,7 @@ def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[RotationLeg, ...]:
     """
     found = []
     dwells, turned = accelerometer.windows, gyro.turned
-    places = np.flatnonzero(gyro.senses).tolist()
+    places, turns = np.flatnonzero(gyro.senses).tolist(), rotation(-turned)
     for k, (before, after) in enumerate(pairwise(dwells)):
         steps = tuple(
             place
@@ -44,7 +44,7 @@ def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[RotationLeg, ...]:
             continue
         attitude = before.setting.to_body
         for place in steps:
-            attitude = rotation(-turned[place]) @ attitude
+            attitude = turns[place] @ attitude
         if np.abs(attitude - after.setting.to_body).max() > CONTINUOUS:
             raise CallError(
                 f"the turns after the dwell {before.name} lead to another attitude "

@@ -28,13 +28,15 @@ from budget.studies.allocation.cases import (
     shared_by_equals,
     solve,
 )
-from budget.studies.allocation.longer_tests import find_longer_tests
+from budget.studies.allocation.longer_tests import (
+    find_longer_tests,
+    find_recalibrations,
+)
 from budget.studies.allocation.market import (
     best_offered,
     load_catalogue,
     match_catalogue,
 )
-from budget.studies.allocation.recalibration import find_recalibrations
 from budget.studies.allocation.records import Allocation, CoverageCheck
 from budget.studies.allocation.rows import (
     cost_report,

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.errors import CallError
 from budget.methods.execution import in_order
 from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
-from budget.missing import shipped_devices
+from budget.missing import REFUSE, shipped_devices
 from budget.missing.prediction import prepare
 from budget.sentences import sentence
-from budget.studies.comparison.candidates import missing_lines
-from budget.studies.comparison.records import Entrant, Lead, UnknownCap
+from budget.studies.comparison.records import Entrant, Lead, MissingLines, UnknownCap
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
 from budget.studies.judgement import (
     MAX_TRIALS,
@@ -30,6 +28,7 @@ from budget.studies.judgement import (
 )
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.verdicts import FAILS, verdict_on
+from budget.ties import settle
 
 CHUNK = 64  # candidates that are judged by the law at once
 
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from concurrent.futures import Executor
 
-    from budget.question import Limited, Question
+    from budget.question import Question
     from budget.results import Verdict
 
 
@@ -120,7 +119,7 @@ def _each(
 def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
     one = replace(task[0])  # of thousands no Problem is kept
-    held, law = held_of(one), one.law
+    held, law = one.limits, one.law
     prediction = one.filled.prediction
     doubtful: tuple[str, ...] = ()
     if judging.by_law:
@@ -157,8 +156,6 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
         )
     verdict = verdict_on(
         one,
-        held,
-        law,
         judged,
         seed=judging.seed,
         readings=readings,
@@ -169,6 +166,7 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
     is_open = verdict.doubt is None and judged.trials is None
     is_open = is_open and (is_near or judged.is_open)
     found = entrant_of(one, verdict)
+    one.let_go()
     return replace(
         found,
         advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
@@ -212,20 +210,22 @@ def entrant_of(one: Question, verdict: Verdict) -> Entrant:
     )
 
 
-def held_of(one: Question) -> Limited:
-    """Return its Problem with the limits on it.
-
-    Raises
-    ------
-    CallError
-        Nothing is required of it.
-    """
-    if one.held is None:
-        raise CallError(
-            f"{one.wanted.name} limits nothing of the {one.owner}; "
-            "add limits for it, or leave it out"
-        )
-    return one.held
+def missing_lines(one: Question, verdict: Verdict) -> MissingLines | None:
+    """Return what lines that are not given could do to limits; None where none can."""
+    missing = verdict.matter(one.bare.missing)
+    if not missing:
+        return None
+    used = verdict.at_ceilings
+    is_bound = one.filled.mode == REFUSE
+    return MissingLines(
+        lines=missing,
+        filling=one.filled,
+        utilisation=used if is_bound else None,
+        verdict=""
+        if used is None or not is_bound
+        else ("meets" if settle(used) <= 1.0 else "fails"),
+        is_bound=is_bound,
+    )
 
 
 def _look_closer(
@@ -237,7 +237,7 @@ def _look_closer(
         return finding
     one = replace(one)
     closer = judge_with(
-        held_of(one),
+        one.limits,
         one.law,
         seed=judging.seed,
         trials=trials,
