@@ -10,8 +10,10 @@ import re
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
+from budget.inputs.composer import compose
+from budget.inputs.tree import plain
 from budget.model.sources import every_source
 from budget.units import ONE_SIDED
 
@@ -69,10 +71,9 @@ class Reading:
 @cache
 def readings() -> tuple[Reading, ...]:
     """Return the lines with their words, those of other packages by what they say."""
-    import yaml
-
-    text = Path(__file__).with_name("makers.yaml").read_text(encoding="utf-8")
-    own = (Reading(**one) for one in yaml.safe_load(text))
+    file = Path(__file__).with_name("makers.yaml")
+    node, _ = compose(file.read_text(encoding="utf-8"), file.name)
+    own = (Reading(**one) for one in cast("list[dict[str, Any]]", plain(node)))
     others = (one for one in every_source() if one.origin)
     return (
         *own,
