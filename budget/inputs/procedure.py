@@ -551,8 +551,9 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
     if station is None:
         file, node = station_file(document), document.root.nearest((STATION,))
         with unshown(file.path, f"a {STATION}", document, node):
-            station = open_file(file, STATION)
-    there = read_station(station)
+            there = read_station(open_file(file, STATION))
+    else:
+        there = read_station(station)
     if model.environment is not None and there.environment:
         message = f"stands beside that of {named}, which has one; remove one of them"
         raise document.refuse(((ENVIRONMENT,), message), on_key=True)

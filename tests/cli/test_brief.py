@@ -81,7 +81,7 @@ def judged(verdict, word, **colours):
     )
     text = io.StringIO()
     console = Console(file=text, width=80, **colours)
-    terminal.print_sections([section], terminal.Page(console))
+    terminal.print_sections([section], terminal.TerminalPage(console))
     return text.getvalue()
 
 

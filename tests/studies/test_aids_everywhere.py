@@ -16,7 +16,7 @@ from places import TESTS
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
 from budget.question import Question
-from budget.settings import Settings
+from budget.settings import Inputs, Settings
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
 from budget.studies.what_if import what_if
@@ -43,10 +43,12 @@ def on_mission(unit="tac", factor=1.0, **more):
     changes = [f"{WALK}={0.1 * factor!r} deg/sqrt(h)"] * (factor != 1.0)
     question = Question.load(
         load_device(DATA / f"{unit}.yaml", changes),
-        procedure=FACTORY,
-        mission=more.pop("mission", G1),
-        at=more.pop("carried_to", (660.0,)),
-        requirement=more.pop("requirement", None),
+        inputs=Inputs(
+            procedure=FACTORY,
+            mission=more.pop("mission", G1),
+            at=more.pop("carried_to", (660.0,)),
+            requirement=more.pop("requirement", None),
+        ),
     )
     settings = more.pop("settings", Settings(validate=False))
     return analyze_as(settings, question, command="mission", **more)

@@ -15,7 +15,7 @@ from saying import assert_says
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
 from budget.question import Question
-from budget.settings import Settings
+from budget.settings import Inputs, Settings
 from budget.studies.allocation.allocate import allocate
 from budget.studies.analysis import analyze_as
 from budget.studies.comparison.compare import compare
@@ -84,10 +84,12 @@ def budget_of(coefficient="0.5 deg/h/degC", *, aided=False, **more):
     settings = more.pop("settings", Settings(validate=False, reference="next_turn_on"))
     question = Question.load(
         load_device(unit(coefficient)),
-        procedure=more.pop("procedure", uncalibrated("factory")),
-        mission=way(aided=aided),
-        at=TIMES,
-        **more,
+        inputs=Inputs(
+            procedure=more.pop("procedure", uncalibrated("factory")),
+            mission=way(aided=aided),
+            at=TIMES,
+            **more,
+        ),
     )
     return analyze_as(settings, question, command="mission")
 

@@ -112,7 +112,7 @@ def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
                 "interval_high": high,
             }
     for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
-        one = document(entrant)
+        one = document(entrant, "entrant")
         yield {**one, "device": entrant.name, "conditions": _conditions(one)}
 
 
