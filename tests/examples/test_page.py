@@ -161,8 +161,8 @@ def test_ratios_of_table_1_are_drawn_and_said(study, document):
     assert len(picture.tips) == len(rows) == 10
     assert picture.title.startswith("4 of the 10 random rows")
     for row, tip in zip(rows, picture.tips.values(), strict=True):
-        assert f": {print_ratio(row.ratio)} times" in tip
-        assert f" {print_ratio(row.ratio)} ({row.verdict})" in picture.alt
+        assert f"ratio {print_ratio(row.ratio)}" in tip
+        assert f" {print_ratio(row.ratio)}, {row.verdict}" in picture.alt
 
 
 def test_figures_have_words_tips_and_their_steps(study, document):

@@ -99,7 +99,7 @@ def test_one_verdict_whatever_the_command(predicted):
         assert [ask.source for ask in own.doubt.asks] == [
             ask.source for ask in other.doubt.asks
         ]
-        assert own.conformance is None
+        assert own.known_conformance is None
     (pair,) = compared.imus
     assert_allclose(predicted.assessment.chance, pair.probability, atol=1e-3)
 
