@@ -132,6 +132,7 @@ def test_what_a_filter_learns_of_the_biases(name):
         assert_allclose([one.before for one in last], before, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_a_filter_of_its_own_learns_less_than_it_could():
     """What it has wrong of a bias is more than the optimal filter has."""
     other = replace(case("g1"), mission=case("g4").mission)
@@ -363,6 +364,7 @@ def test_a_full_banked_turn_in_closed_form(sense):
     assert of_mounting(alone("g1", turn)) < 0.1 * expected
 
 
+@pytest.mark.slow
 def test_what_a_turn_shows_is_that_of_a_mission_that_turns():
     """After a straight run 18 times as much; after figures of 8 it shows nothing."""
     straight, eight = (
@@ -401,6 +403,7 @@ def test_a_turn_is_asked_of_what_goes_straight_on():
     assert filtered(question("tac", mission)).turned is None
 
 
+@pytest.mark.slow
 def test_a_measurement_below_rounding_is_believed_to_be_exact():
     """A GNSS of 3e-11 m/s: what is believed of it is a number, without a warning."""
     text = (DATA / "g6.yaml").read_text(encoding="utf-8")
@@ -435,6 +438,7 @@ def late(hours):
     return {"name": "late", "mission": {**part, "segments": segments}}
 
 
+@pytest.mark.slow
 def test_what_rounding_would_decide_is_refused():
     """A height that nothing measures grows by e in 570 s: after 2 h no filter has it.
 

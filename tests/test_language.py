@@ -55,6 +55,7 @@ def parts_of(template):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", CATALOGUES)
 def test_no_message_is_without_a_translation(language):
     """Every template of the code and every word of the files is in the catalogue."""
@@ -277,6 +278,7 @@ def left_in(text):
     return sorted(set(re.findall(r"[A-Za-z]{3,}", STAYING.sub(" ", line))))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ANSWERS)
 def test_no_english_is_left_on_a_chinese_terminal(kind):
     """Whatever a command answers: what stays is a name, a unit, a key or a sign."""

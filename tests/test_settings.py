@@ -56,6 +56,7 @@ run("analyze", "--help")
 """
 
 
+@pytest.mark.slow
 def test_a_new_setting_is_one_field(tmp_path):
     """Written into one file it is an option, a parameter, checked, said and stored."""
     for folder in (PACKAGE, EXAMPLE, ROOT / "templates", ROOT / "specs"):

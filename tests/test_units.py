@@ -521,6 +521,7 @@ def mutated(unit):
     yield from (unit + end for end in ADDED)
 
 
+@pytest.mark.slow
 def test_no_hint_changes_a_quantity():
     """Every hint at a misspelled unit is read, as the quantity that was misspelled.
 

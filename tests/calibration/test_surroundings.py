@@ -133,6 +133,7 @@ def test_every_source_of_station_and_environment_has_an_index():
     assert_allclose(indices.first.value.sum(axis=0), 1.0, rtol=0, atol=0.01)
 
 
+@pytest.mark.slow
 def test_simulated_runs_at_a_table_scatter_as_the_law_says():
     """Angles of turns are drawn for the gyro, whose windows are the fewer here."""
     runs = 40

@@ -81,6 +81,7 @@ def test_the_document_has_the_fixed_keys():
     assert first["binding_output"] == "gyro.bias.z"
 
 
+@pytest.mark.slow
 def test_the_csv_has_a_row_for_each_source():
     """The CSV and the JSON document hold the same numbers."""
     run = call("allocate", *FAST, "--csv", "-")
@@ -97,6 +98,7 @@ def test_without_a_device_the_built_in_one_is_named():
     assert "zhao-2019" in call("allocate", *FAST).err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["proportional", "equal", "cost"])
 def test_the_written_device_meets_the_requirement(odd, tmp_path, strategy):
     """Read back by analyze, its errors end within the limits, by the law at them.
@@ -194,6 +196,7 @@ def test_a_corrected_device_meets_by_monte_carlo(tmp_path):
     assert used["law"] > 1.02
 
 
+@pytest.mark.slow
 def test_two_files_make_one_device(odd, tmp_path):
     """A gyro and an accelerometer of two files are written into one."""
     gyro, accelerometer = tmp_path / "g.yaml", tmp_path / "a.yaml"
@@ -340,6 +343,7 @@ def gyro(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_the_same_inputs_give_the_same_bytes(gyro, monkeypatch):
     """Twice the same call, Monte Carlo included, gives the same document."""
     monkeypatch.setattr(allocate, "find_longer_tests", find_longer_tests)
@@ -378,6 +382,7 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
     assert found["devices"] == []
 
 
+@pytest.mark.slow
 def test_report_has_a_section_on_the_allocation(gyro, tmp_path):
     """`budget report --allocate` adds what each line may be; alone it is exit 2."""
     page = tmp_path / "report.html"
@@ -394,6 +399,7 @@ def test_report_has_a_section_on_the_allocation(gyro, tmp_path):
     assert not (tmp_path / "other.html").exists()
 
 
+@pytest.mark.slow
 def test_what_is_written_for_a_mission_does_not_fail(tmp_path, monkeypatch):
     """How good the gyro must be for three miles an hour: by compare it is enough."""
     monkeypatch.chdir(tmp_path)

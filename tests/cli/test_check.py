@@ -48,6 +48,7 @@ def flat(text):
 class TestShipped:
     """References that ship."""
 
+    @pytest.mark.slow
     @pytest.mark.smoke
     @pytest.mark.kernels
     def test_they_hold(self):
@@ -482,6 +483,7 @@ class TestSave:
             *("zhao-2019", "zhao-2019"),
         ]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("kind", ["compare", "allocate"])
     def test_other_kinds(self, folder, kind):
         """A comparison and an allocation are stored, hold, and move with an input."""

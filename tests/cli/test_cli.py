@@ -128,6 +128,7 @@ def test_named_device_needs_no_note():
     assert (run.code, run.err) == (0, "")
 
 
+@pytest.mark.slow
 @pytest.mark.smoke
 def test_json_on_stdout_stands_alone(tmp_path):
     """`--json -` puts one JSON document on stdout and nothing else."""
@@ -181,6 +182,7 @@ def test_files_beside_the_table(tmp_path):
     assert sorted(tmp_path.iterdir()) == sorted(names.values())
 
 
+@pytest.mark.slow
 @pytest.mark.smoke
 def test_same_call_gives_the_same_bytes(tmp_path):
     """Seed alike, files are bit for bit alike, in whatever folder, on two workers."""

@@ -158,6 +158,7 @@ class TestDocuments:
         assert roles == ["device", "device", "procedure", "requirement"]
         assert document["settings"]["trials"] == 20_000
 
+    @pytest.mark.slow
     def test_same_bytes_for_any_number_of_workers(self):
         """Workers share out devices and change no byte."""
         one, two = (
@@ -278,6 +279,7 @@ class TestTable:
         assert compare("good.yaml", *LAW).err == ""
 
 
+@pytest.mark.slow
 def test_the_example_of_the_library_runs_as_printed(capsys):
     """The example of docs/comparing.md ranks the catalogue, the best gyro first."""
     docs = DOCS / "comparing.md"
@@ -341,6 +343,7 @@ class TestMission:
         assert "mission.position.horizontal.3600" in run.err
         assert "--mission" in run.err
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("calibration", ["none", "factory", "six-positions"])
     def test_verdict_is_that_of_the_mission(self, calibration):
         """Whatever calibrated the unit, `budget mission` says the same of it."""

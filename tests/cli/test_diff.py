@@ -46,6 +46,7 @@ def row_of(document, subject, quantity):
 class TestDevices:
     """Two device files."""
 
+    @pytest.mark.slow
     def test_text(self):
         """Names, keys that differ, outputs with both values and the keys' parts."""
         run = call("diff", "imu.yaml", "better.yaml")
@@ -127,6 +128,7 @@ class TestDevices:
         run = call("diff", "imu.yaml", "imu.yaml")
         assert (run.code, run.out.startswith("0 of ")) == (0, True)
 
+    @pytest.mark.slow
     def test_variants_and_shipped_ones(self):
         """FILE#VARIANT and bare names; many keys are counted, not all listed."""
         run = call("diff", "zhao-2019", "hg4930#C")
@@ -137,6 +139,7 @@ class TestDevices:
         assert_says(run.out, "more that move no number", "--json")
         assert "  x 77  " in run.out
 
+    @pytest.mark.slow
     def test_another_sensor(self):
         """A gyro alone against an IMU: the accelerometer's numbers are new."""
         document = call("diff", "ltys11cj1x", "hg4930#C", "--json", "-").document
@@ -145,6 +148,7 @@ class TestDevices:
             *("gyro", "accelerometer"),
         }
 
+    @pytest.mark.slow
     def test_settings(self):
         """Reference, coverage, procedure and single sources are those asked for."""
         args = ("--reference", "next_turn_on", "--coverage", "0.5", "--json", "-")
@@ -231,6 +235,7 @@ class TestDevices:
 class TestReferences:
     """References, and devices beside them."""
 
+    @pytest.mark.slow
     def test_a_reference_and_a_device(self):
         """The device is analyzed with the settings of the reference."""
         save = ("check", "--save", "later.json", "imu.yaml")

@@ -68,6 +68,7 @@ UNSAID = re.compile(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_answers_where_little_is_given(command, tmp_path, monkeypatch):
     """No failure of the program, no nan, no source of 0 % of the variance."""

@@ -364,6 +364,7 @@ def test_a_lost_unit_has_no_rate(name):
 AIDED = TESTS / "data" / "aided"
 
 
+@pytest.mark.slow
 def test_a_mission_with_aids_says_what_its_filter_has_learnt(tmp_path):
     """Aids with their times, and each bias: what was there, and what is left."""
     path = tmp_path / "g3.json"
@@ -382,6 +383,7 @@ def test_a_mission_with_aids_says_what_its_filter_has_learnt(tmp_path):
     assert_allclose(last["standard_uncertainty"], last["true"], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_filter_that_believes_too_much_is_warned_of():
     """Where what it believes is below 0.8 of what is true."""
     files = (str(AIDED / "mems.yaml"), "--mission", str(AIDED / "g4.yaml"))

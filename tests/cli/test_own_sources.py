@@ -121,6 +121,7 @@ def spread(outcome, *wanted):
     return found[-1]["standard_uncertainty"]
 
 
+@pytest.mark.slow
 def test_the_example_gives_what_the_page_says(home):
     """In windows k g^2/26, on a bend 2/pi k a g T, in samples as in windows."""
     asked = f"mine.yaml --only {NAME} --json -"
@@ -144,6 +145,7 @@ def test_the_example_gives_what_the_page_says(home):
         assert_allclose(u, felt / rate, rtol=5e-3)
 
 
+@pytest.mark.slow
 def test_every_command_knows_it(home):
     """Read, checked, ranked, changed, allocated, reported, described, exported."""
     valid, slip, wrong, schema, changed, ranked, split, told, pages = run(
@@ -199,6 +201,7 @@ def test_the_shell_completes_it(home):
     assert f"{NAME}=" in found
 
 
+@pytest.mark.slow
 def test_help_looks_for_none():
     """What needs no device looks for no package; what needs one does once."""
     code = (
@@ -268,6 +271,7 @@ PAIR = Source(
 """
 
 
+@pytest.mark.slow
 def test_a_process_with_keys_of_its_own_is_one_file(tmp_path):
     """Its variance is the mean of those of its parts, in a test and on a mission."""
     install(tmp_path, "pair", {"pair": "pair:PAIR"}, pair=PAIR)
@@ -436,6 +440,7 @@ def ruin(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_a_broken_line_is_told_and_harms_no_other(ruin, tmp_path):
     """Each with its distribution; a device without it has the numbers it had."""
     words = "analyze zhao-2019 --no-validate --json -"
@@ -462,6 +467,7 @@ def test_a_broken_line_is_told_and_harms_no_other(ruin, tmp_path):
     assert after["outputs"] == before["outputs"]
 
 
+@pytest.mark.slow
 def test_what_needs_a_broken_line_is_refused(ruin):
     """In the file that gives it, at its place; or where its effect fails later."""
     file, late, unbound, crooked, mission = run(

@@ -181,6 +181,7 @@ def test_validate_says_the_range_as_it_was_read(folder):
     assert_says(run.out, "range: gyro ±10 deg/s", "accelerometer ±5 g")
 
 
+@pytest.mark.slow
 def test_the_catalogue_takes_the_paper_s_test():
     """No device that ships is beyond its range at 20 deg/s and 1 g."""
     run = call(

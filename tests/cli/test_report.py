@@ -47,6 +47,7 @@ def written(tmp_path_factory):
     return run, folder
 
 
+@pytest.mark.slow
 def test_both_kinds_are_written_at_once(written):
     """-o may be given again: a page and a PDF, each whole, and nothing else."""
     run, folder = written
@@ -134,6 +135,7 @@ def test_chinese_names_make_no_noise(tmp_path, monkeypatch, caplog, capfd):
     assert (caplog.messages, capfd.readouterr().err) == ([], "")
 
 
+@pytest.mark.slow
 def test_allocation_and_comparison_go_with_it(tmp_path):
     """Their sections stand in the page, their numbers in the page's and the JSON."""
     page, file = tmp_path / "x.html", tmp_path / "x.json"

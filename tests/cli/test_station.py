@@ -58,6 +58,7 @@ def test_no_station_does_and_the_code_is_1():
     )
 
 
+@pytest.mark.slow
 def test_the_page_fits_a_usual_terminal(at_a_table):
     """No line is longer than 80 characters, with a station of its own too."""
     for more in ((), ("--procedure", at_a_table)):
@@ -65,6 +66,7 @@ def test_the_page_fits_a_usual_terminal(at_a_table):
         assert max(map(len, out.splitlines())) <= 80
 
 
+@pytest.mark.slow
 def test_the_own_station_stands_first(at_a_table):
     """Its figures have what they are now, in the page and in the document."""
     run = call(*TACTICAL, "--procedure", at_a_table, "--json", "-")

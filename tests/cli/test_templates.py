@@ -20,6 +20,7 @@ def own(tmp_path):
     return Path(shutil.copytree(EXAMPLE, tmp_path / "own"))
 
 
+@pytest.mark.slow
 @needs_poppler
 def test_a_company_has_its_letterhead_style_and_words(own, tmp_path):
     """In HTML and PDF; the page loads nothing, and without the option it is as ever."""

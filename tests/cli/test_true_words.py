@@ -94,6 +94,7 @@ def told(*args):
     return " ".join(call(*args, "--no-validate", COLUMNS="100").out.split())
 
 
+@pytest.mark.slow
 def test_a_lost_unit_is_the_reason_and_no_reading_is(write):
     """UNDECIDED far from the limit: no reading and no interval leaves it open."""
     device, need = write("lost.yaml", LOST), write("wide.yaml", WIDE)
@@ -179,6 +180,7 @@ def test_what_can_be_met_is_no_more_than_is_known(write, extra, without, said):
     assert_says(repr(found), f"sheet: {said}")
 
 
+@pytest.mark.slow
 def test_what_the_whole_of_an_allocation_has_is_what_it_names(write):
     """Checks that were not made are not promised."""
     device, need = write("sheet.yaml", sheet()), write("need.yaml", BENCH)

@@ -115,6 +115,7 @@ def test_analyze_says_of_a_mission_what_mission_says():
     assert len(texts) == 1
 
 
+@pytest.mark.slow
 def test_limits_on_a_calibration_need_its_test(files):
     """With limits of both kinds one verdict is after one test, in every command."""
     one, both = (
@@ -161,6 +162,7 @@ def test_what_is_of_a_test_takes_one(command, word, files, tmp_path):
     assert "there is no test" in run.err
 
 
+@pytest.mark.slow
 def test_a_report_on_a_mission_is_that_of_the_mission(files, tmp_path):
     """The verdict on page one and the section are after the maker's calibration."""
     page, file = tmp_path / "page.html", tmp_path / "page.json"
@@ -301,6 +303,7 @@ def test_an_environment_is_not_stated_twice(tmp_path):
         budget.analyze("zhao-2019", calibration=file, environment=WARM, validate=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("requirement", "more", "code"),
     [
@@ -335,6 +338,7 @@ def test_conditions_are_accepted_where_asked(command, more, code, files):
     assert stated.code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["allocate", "station"])
 def test_a_verdict_has_what_it_stands_on_beside_it(command, files):
     """After which test, in which use, and what nobody has stated: page and document."""
@@ -483,6 +487,7 @@ STORED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", STORED)
 def test_a_reference_keeps_what_the_call_states(option, files, tmp_path):
     """It is in the file, moves the numbers, and is computed with again."""

@@ -110,6 +110,7 @@ def both(tmp_path, *args):
 OPEN = ("open: not given", "cannot be decided", "at the most 100 %", "Not given: a")
 
 
+@pytest.mark.slow
 def test_nothing_is_open_where_a_verdict_hangs_on_no_missing_line(files, tmp_path):
     """A noise that takes next to nothing of a limit: it is met, and nothing lacks."""
     given = (files["hidden"], "--requirement", files["test"])
@@ -158,6 +159,7 @@ def beyond(files):
     )
 
 
+@pytest.mark.slow
 def test_a_sensor_that_saturates_has_no_good_numbers(beyond, tmp_path):
     """They are those of sensors that read enough, and no conformance is one of it."""
     for text in both(tmp_path, *beyond):
@@ -184,6 +186,7 @@ def test_every_axis_that_saturates_is_named_once(beyond):
     assert text.casefold().count("saturates:") == 2
 
 
+@pytest.mark.slow
 def test_an_undecidable_verdict_is_on_what_is_given(files, tmp_path):
     """What its table and its sentences say of within is up to what is not given."""
     need = tmp_path / "shaken.yaml"
@@ -198,6 +201,7 @@ def test_an_undecidable_verdict_is_on_what_is_given(files, tmp_path):
     assert_says(of_page(tmp_path, "report", *given), "conforms on what is given")
 
 
+@pytest.mark.slow
 def test_a_report_counts_from_what_its_mission_counts_from(files, tmp_path):
     """As the maker calibrated it: any later turn-on, once, in the words of mission."""
     given = (
@@ -241,6 +245,7 @@ def test_a_headline_says_what_stands_for_missing_lines(tmp_path):
     assert "meets with a probability of" in heads["predict"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["", ".z"])
 def test_a_range_is_set_on_a_call(files, axis):
     """As a variant of the file would have it, of the triad or of an axis."""
@@ -299,6 +304,7 @@ def test_a_requirement_of_the_unit_at_its_test_asks_for_no_use(
     assert (sensor["use"], sensor["conditions"]) == ("as it was in the calibration", [])
 
 
+@pytest.mark.slow
 def test_limits_of_a_mission_and_of_triads_stand_in_one_table(files, tmp_path):
     """Page one has a row for each, with its own limit and what makes it up."""
     need = tmp_path / "all.yaml"
@@ -317,6 +323,7 @@ def test_limits_of_a_mission_and_of_triads_stand_in_one_table(files, tmp_path):
     assert table.count('class="parts"') == len(rows)
 
 
+@pytest.mark.slow
 def test_limits_kept_together_are_used_by_one_number(tmp_path):
     """Card and compare print the utilisation of the verdict, the output's as its own.
 

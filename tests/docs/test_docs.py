@@ -152,6 +152,7 @@ def test_console_examples_run(folder):
     assert (folder / "references" / "imu.json").is_file()
 
 
+@pytest.mark.slow
 def test_the_job_does_what_the_page_says(folder):
     """Its last step passes; after the edit of the page it fails and says why."""
     (job,) = blocks("yaml")

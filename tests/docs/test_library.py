@@ -180,6 +180,7 @@ def test_names_stand_for_records(result):
     assert variant.inputs[0].name == "stim300.yaml#5g"
 
 
+@pytest.mark.slow
 def test_studies_take_names():
     """Allocation, stations, exports and comparisons are a line each."""
     wanted = "navigation-grade"
@@ -400,6 +401,7 @@ def test_tables_for_documents(judged):
     assert "$>$99 \\%" in latex
 
 
+@pytest.mark.slow
 def test_figures_of_a_result(judged):
     """Each figure is a matplotlib Figure that names what it shows."""
     plot = judged.plot
@@ -417,6 +419,7 @@ def test_figures_of_a_result(judged):
     assert label != plot.contributions("accelerometer.bias").get_label()
 
 
+@pytest.mark.slow
 def test_figures_that_there_are_complete(result, judged, flight):
     """What completion offers of a budget can be drawn, all of it."""
     for one in (result, judged, flight):
@@ -472,6 +475,7 @@ def test_a_figure_that_there_is_not_is_refused(result):
         result.plot.contributions("gyro.bais")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("drawn_once")
 def test_a_report_is_a_line(judged, tmp_path):
     """`budget.report` writes the pages of the command, before and after its import."""

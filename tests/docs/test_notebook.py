@@ -17,6 +17,7 @@ def printed(book):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # of what runs the kernel, which is not ours
 def test_the_notebook_prints_what_is_kept():
     """Every cell runs, every table is as kept, and figures are drawn by themselves."""

@@ -206,6 +206,7 @@ def test_page_says_every_row(study, document):
         assert plain(words) in text
 
 
+@pytest.mark.slow
 @needs_poppler
 def test_pdf_says_every_row(study, pdf, tmp_path):
     """The PDF has every place, reason, section title, and meaning of a verdict."""

@@ -273,6 +273,7 @@ def both(x):
     return np.stack([x.sum(axis=0), x[0] * x[1]])
 
 
+@pytest.mark.slow
 def test_workers_draw_every_shape_and_copula_alike():
     """Shapes with samples, functions and copulas reach other processes bit for bit."""
     shapes = (samples(READINGS), from_quantile(logistic), gamma(2.0))

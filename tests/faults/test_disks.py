@@ -124,6 +124,7 @@ def test_a_read_only_disk(name, tmp_path):
     assert outcome.returncode == 2
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("capsh"), reason="needs capsh")
 def test_a_user_without_rights(tmp_path):
     """A folder of another user: exit 2 and what to do; so for a file not readable."""
@@ -170,6 +171,7 @@ def test_a_file_where_a_folder_should_be(tmp_path):
     assert contents(tmp_path) == {"file": b"old"}
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_gone(tmp_path):
     """Started in a folder that has been removed, a command still works or says so."""
     gone = tmp_path / "gone"
@@ -185,6 +187,7 @@ def test_a_folder_that_is_gone(tmp_path):
     assert outcome.returncode in {0, 2}
 
 
+@pytest.mark.slow
 def test_too_little_memory(tmp_path):
     """Memory that runs out is exit 2 and words, at whatever point it does."""
 

@@ -40,6 +40,7 @@ def test_too_little_memory_is_refused_in_words(option, kilobytes):
         assert word in found.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", ["-v", "-d"])
 def test_enough_memory_changes_nothing(option):
     """Under a limit that is no less than needed the answer is that without one."""

@@ -211,6 +211,7 @@ def test_names_beyond_ascii_in_any_locale(locale, tmp_path):
             assert "\\udc" not in json.dumps(document), name  # no halves of bytes
 
 
+@pytest.mark.slow
 def test_a_document_in_a_pipe_is_the_one_in_a_file(tmp_path):
     """In the locale C, stdout and the file get the same UTF-8 bytes."""
     (tmp_path / "d.yaml").write_text(FOREIGN, encoding="utf-8")

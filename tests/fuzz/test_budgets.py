@@ -6,6 +6,7 @@ import json
 import tempfile
 from pathlib import Path
 
+import pytest
 from fuzz.effort import examples
 from fuzz.grammar import FIXED, NUMBERS, leaves, random_of, replaced, trees, write
 from hypothesis import given
@@ -47,6 +48,7 @@ def loaded(load, tree, seed):
             return None
 
 
+@pytest.mark.slow
 def test_sound_files_give_finite_numbers_or_words():
     """No device and procedure that are read end in nan, in a warning or a traceback.
 

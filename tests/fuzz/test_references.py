@@ -78,6 +78,7 @@ def replaced(content, way, value):
     return value
 
 
+@pytest.mark.slow
 @given(data=st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
 @examples(300)
 def test_any_bytes_are_read_or_refused(path, data):

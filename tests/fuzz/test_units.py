@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import pi, sqrt
 
+import pytest
 from fuzz.effort import examples
 from fuzz.oracle import LIKES, judge_quantity
 from hypothesis import given
@@ -153,6 +154,7 @@ def can_be(value):
     return value == 0.0 or 1e-30 <= abs(value) <= 1e30
 
 
+@pytest.mark.slow
 @examples(1500)
 @given(
     text=st.text(max_size=40)
@@ -166,6 +168,7 @@ def test_any_text_is_a_quantity_or_refused(text, like, gravity):
     judge_quantity(text, like, gravity)
 
 
+@pytest.mark.slow
 @examples(600)
 @given(number=st.sampled_from(["1", "2.5", "-3", "0", "1e-3", "+.5", "7."]), unit=UNITS)
 def test_units_of_the_grammar_have_their_size_and_no_other_kind(number, unit):

@@ -315,6 +315,7 @@ DRAWING = ("pandas", "matplotlib", "SALib", "fontTools", "typst")
 READING = ("jinja2", "pydantic", "yaml")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "spared"),
     [

@@ -362,6 +362,7 @@ def test_the_known_contradictions_stand_in_the_files():
     assert names["accel.noise_density"] == "80 µg/√Hz"
 
 
+@pytest.mark.slow
 def test_every_device_loads_and_has_a_budget():
     """Each file and variant is read, and every output of it has a finite spread."""
     for ref in REFS:

@@ -104,6 +104,7 @@ def said(tmp_path):
     return of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_sound_recording_is_not_doubted(said, kind):
     """Random ones of each kind, with and without a heading."""

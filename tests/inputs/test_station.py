@@ -116,6 +116,7 @@ def test_two_stations_are_refused(folder, text, what):
         load_procedure("both.yaml")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 def test_every_command_takes_a_station_and_says_its_file():
     """Analyze, compare, allocate and report; the numbers move, the file is named."""

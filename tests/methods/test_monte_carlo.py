@@ -201,6 +201,7 @@ def die(x):
     return x.sum(axis=0, keepdims=True)
 
 
+@pytest.mark.slow
 def test_a_killed_worker_is_an_error_for_people(monkeypatch):
     """Workers that die in the middle raise WorkerError, never a wrong answer."""
     monkeypatch.setenv("BUDGET_TEST_PID", str(os.getpid()))
@@ -259,6 +260,7 @@ def most_beyond(runs):
     return int(np.argmax(special.bdtr(missed, runs, 0.05) >= 1.0 - 1e-4))
 
 
+@pytest.mark.slow
 def test_what_adaptive_runs_reached_holds_at_the_stated_rate():
     """In 300 runs all four numbers are within `reached` in 95 % or more.
 
@@ -288,11 +290,13 @@ def test_the_check_of_what_is_reached_can_fail(monkeypatch):
     assert beyond(150, u=5.0, part=0.2, interval="symmetric") > most_beyond(150)
 
 
+@pytest.mark.slow
 def test_shortest_intervals_settle_at_their_own_rate():
     """In 150 runs the ends of shortest intervals are within `reached` in 95 %."""
     assert beyond(150, u=9.0, part=1.0, interval="shortest") <= most_beyond(150)
 
 
+@pytest.mark.slow
 def test_shortest_intervals_do_not_settle_as_symmetric_ones(monkeypatch):
     """Control: with the rate h^(-1/2) for their ends too many miss."""
     reached = monte_carlo.Gathering.reached
@@ -371,6 +375,7 @@ def test_an_adaptive_run_counts_once_too_many_were_kept(monkeypatch):
     assert np.abs(counted.interval - kept.interval).max() < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="another allocator")
 def test_blocks_use_the_memory_of_those_before():
     """A run after another maps hardly a page anew: it took 350 a block of trials.

@@ -64,6 +64,7 @@ def rate_inside(seeds, shift=0.0):
     return inside
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_exact_indices_at_their_stated_rate():
     """Over 200 seeds the 95 % intervals hold the exact Ishigami indices.
 
@@ -222,6 +223,7 @@ def test_inputs_of_a_source_can_be_told_apart():
     assert_allclose(r.first.value[:, 0], [0.2, 0.8], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_workers_change_no_index():
     """One and two processes give the same indices bit for bit."""
     alone = sobol(paper_problem(), samples=64, seed=2)

@@ -298,6 +298,7 @@ def bound_names(model):
     return [output.name for output in model.outputs]
 
 
+@pytest.mark.slow
 def test_an_allocation_says_what_its_parts_of_limits_lack():
     """JSON, terminal and page mark the outputs that a missing line would reach."""
     bare = without("bias_stability")

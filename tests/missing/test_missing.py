@@ -130,6 +130,7 @@ def test_a_sensor_without_any_line_stays_unknown():
     assert [one.name for one in found.nothing_known] == [empty.name]
 
 
+@pytest.mark.slow
 def test_at_worst_is_no_better_than_worst(by_mode):
     """A ceiling is the worst comparable device's line, or more: hiding never helps."""
     found = 0

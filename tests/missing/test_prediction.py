@@ -305,6 +305,7 @@ def test_a_better_device_is_predicted_to_be_better():
     assert (then < now - 0.1 * log(10.0)).all()
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_the_catalogue_prints(script, cases):
     """Each line of each design hidden in turn: 50 and 90 % hold as many as they say."""
     for level in script.LEVELS:
@@ -320,6 +321,7 @@ def test_intervals_hold_what_the_catalogue_prints(script, cases):
     assert len(cases) > 60
 
 
+@pytest.mark.slow
 def test_intervals_hold_on_catalogues_drawn_from_the_law():
     """Of 400 catalogues of 6 unlike designs, 90 % of the intervals hold a new one."""
     rng = np.random.default_rng(5)

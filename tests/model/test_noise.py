@@ -144,6 +144,7 @@ def test_a_covariance_that_is_made_in_parts_is_that_of_the_whole(process):
     assert_allclose(C, whole, rtol=1e-12, atol=1e-12 * np.abs(whole).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("process", PROCESSES, ids=repr)
 def test_memory_grows_with_the_windows_and_not_with_their_square(process):
     """No array of all windows by all windows is made; the covariance itself is one."""
@@ -184,6 +185,7 @@ def test_repeated_windows_are_what_each_of_them_is(process):
     assert_allclose(C / scale, whole / scale, rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_repetition_costs_its_lags_and_not_its_pairs(monkeypatch):
     """9,000 windows by 9,000 are 81 million pairs, of a few lags: 1 in 100 at most."""
     asked = []

@@ -224,6 +224,7 @@ def test_how_many_steps_are_taken_at_a_time_changes_no_number(monkeypatch, at_a_
         assert_allclose(one, other, rtol=1e-14, atol=1e-14 * np.abs(other).max())
 
 
+@pytest.mark.slow
 def test_memory_of_a_long_route_is_a_part_of_that_of_all_steps_at_once(monkeypatch):
     """Of what a step takes only transitions and responses are kept for all steps."""
 

@@ -255,6 +255,7 @@ environment:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_is_missing")
 @pytest.mark.parametrize("file", shipped_names("device"))
 def test_every_figure_of_the_catalogue_moves_a_number(file, tmp_path):

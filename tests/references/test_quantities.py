@@ -116,6 +116,7 @@ def test_the_law_has_no_standard_errors_and_trials_have():
     assert exact == {"standard_uncertainty"}
 
 
+@pytest.mark.slow
 def test_the_solver_of_the_least_cost_is_sure_of_the_cost_to_a_part():
     """Of a line to the root of that; by another strategy there is no solver."""
     by_cost = snapshot(job="allocate", more=LIMITS, strategy="cost")

@@ -82,6 +82,7 @@ def forge(folder, edit):
     (folder / "ref.json").write_text(json.dumps(content), encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", MISSIONS)
 def test_what_is_stored_is_what_the_mission_says(folder, way):
     """Its errors at its times, source by source; and its file by content."""
@@ -124,6 +125,7 @@ def test_a_line_that_moved_a_mission_is_named(folder, way):
     assert_says(run.out, f"device imu.yaml: {WALK}", "0 unchanged, 1 moved")
 
 
+@pytest.mark.slow
 def test_an_outage_that_begins_later_is_named(folder):
     """By the key of the mission; beside a change of the device each has its part."""
     assert save().code == 0
@@ -138,6 +140,7 @@ def test_an_outage_that_begins_later_is_named(folder):
     assert_says(run.out, key, WALK)
 
 
+@pytest.mark.slow
 def test_an_aid_that_comes_and_a_time_that_comes_have_moved_it(folder):
     """What they add is new, beside what they change."""
     assert save().code == 0
@@ -160,6 +163,7 @@ def test_an_aid_that_comes_and_a_time_that_comes_have_moved_it(folder):
     assert "horizontal.30" not in rows
 
 
+@pytest.mark.slow
 def test_what_calibrated_the_unit_is_an_input_like_the_others(folder):
     """A procedure and its station: stored, and named where they move a number."""
     plan = "name: plan\ngyro: {turns: 10}\n"
@@ -191,6 +195,7 @@ def test_code_that_moved_a_mission_is_named(folder):
     assert_says(run.out, "tool: code: as stored -> as it is")
 
 
+@pytest.mark.slow
 def test_trials_of_a_mission_have_their_standard_errors(folder):
     """So that another seed is no move, and a tenth more of a line is one."""
     assert save("--method", "monte-carlo", "--trials", "4000").code == 0
@@ -276,6 +281,7 @@ def test_a_forged_mission_is_refused_in_words(folder, tmp_path_factory):
     assert_says(refused(), "a recorded trajectory, which a reference does not store")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", MISSIONS)
 @pytest.mark.parametrize("kind", ["compare", "allocate"])
 def test_limits_on_a_mission_are_shared_out_and_compared(folder, kind, way):
@@ -295,6 +301,7 @@ def test_limits_on_a_mission_are_shared_out_and_compared(folder, kind, way):
     assert_says(run.out, WALK.replace("0.11 ", "0.2 "))
 
 
+@pytest.mark.slow
 def test_two_units_on_a_mission_side_by_side(folder):
     """Two devices, a device beside a reference, and two references."""
     other = DEVICE.replace("0.1 deg/sqrt(h)", "0.11 deg/sqrt(h)")

@@ -56,6 +56,7 @@ def inputs(folder):
     return [(one["role"], one["file"]) for one in stored]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_the_station_is_stored_and_its_change_is_named(folder, way):
     """Given beside a procedure or named by it: held, then moved by that key alone."""
@@ -109,6 +110,7 @@ def test_a_station_that_is_gone_is_said(folder, way):
     assert "hut.yaml" in run.err
 
 
+@pytest.mark.slow
 def test_a_procedure_that_names_another_station_is_at_that(folder):
     """The check goes by the procedure as it is now, and says what became another."""
     assert save(*WAYS["named"]).code == 0

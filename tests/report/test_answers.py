@@ -95,6 +95,7 @@ def numbers(value):
         yield float(value)
 
 
+@pytest.mark.slow
 def test_a_page_has_the_document_and_its_numbers(made):
     """The JSON of the command stands in it, and what its first table shows in that."""
     kind, folder, table, _ = made

@@ -363,6 +363,7 @@ def macros(name):
     return [name for name in found if not name.startswith("_")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_branch_has_the_same_numbers_in_every_language(name):
     """No branch fails, is no page, loses a number or has another one in Chinese."""

@@ -49,6 +49,7 @@ def test_what_is_spoiled_is_compiled_again(kept):
         assert made(template_environment()) == 1
 
 
+@pytest.mark.slow
 def test_templates_compile_alike_in_every_language():
     """So that what was compiled in one language serves the others."""
     there = _environment()

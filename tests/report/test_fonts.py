@@ -68,6 +68,7 @@ def test_characters_without_a_font_are_code_points(tmp_path):
     assert CHINESE[0] not in text
 
 
+@pytest.mark.slow
 @needs_noto
 @needs_poppler
 def test_chinese_is_shown_in_a_font_that_has_it(tmp_path):

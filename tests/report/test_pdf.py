@@ -59,6 +59,7 @@ def test_a_font_that_is_not_there_is_told(template):
         render_pdf(template(source), {}, {}, date=DATE)
 
 
+@pytest.mark.slow
 @needs_poppler
 def test_what_is_copied_of_a_report_has_its_long_words_whole(tmp_path):
     """Hashes and DOIs can be searched and copied: where a line may end is no sign."""

@@ -115,6 +115,7 @@ def test_a_route_east_ends_at_its_longitude():
     assert "0.0000 N 179.5000 E to 0.0000 N 179.6017 W" in line_of(one)
 
 
+@pytest.mark.slow
 def test_the_line_is_shown_everywhere(tmp_path):
     """In validate, mission and report the same, and its numbers in JSON."""
     path = mission(tmp_path, straight())

@@ -41,6 +41,7 @@ def test_the_schema_is_sound():
         assert entry["description"]
 
 
+@pytest.mark.slow
 def test_a_key_that_is_not_in_it_is_refused():
     """Control: a new key, one that is gone and a text for a number are seen."""
     document = call("analyze", "--no-validate", "--json", "-").document

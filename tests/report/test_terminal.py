@@ -184,6 +184,7 @@ def test_number_keeps_its_unit_on_the_line():
     assert "300 s" in render(budget, width=40)
 
 
+@pytest.mark.slow
 def test_number_keeps_the_sign_of_a_bound_on_the_line():
     """A line break never falls between 'at least' or 'at most' and its number."""
     for sign in ("\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}"):

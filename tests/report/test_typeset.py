@@ -238,6 +238,7 @@ def test_file_keeps_its_standards(tmp_path, flavour):
     assert said.startswith("PASS")
 
 
+@pytest.mark.slow
 def test_same_bytes_in_every_process(pdf):
     """Another process, with other hashes of texts, writes the same bytes."""
     code = (
@@ -302,6 +303,7 @@ def test_foreign_text_is_shown_as_it_is(tmp_path):
         assert text.count(squeeze(words.strip("\u200f"))) >= 6, words
 
 
+@pytest.mark.slow
 @needs_poppler
 @pytest.mark.parametrize("word", ["x" * 10_000, "long words " * 900, "a/b_c." * 1500])
 def test_long_names_do_not_leave_the_page(tmp_path, word):

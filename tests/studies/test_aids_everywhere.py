@@ -137,6 +137,7 @@ def test_trials_agree_with_the_law(mission):
         assert abs(far[0] - 1.0) > bound
 
 
+@pytest.mark.slow
 def test_forms_of_a_result_have_the_same_numbers(tmp_path):
     """JSON and CSV; and what is computed again is the same."""
     words = ("mission", str(DATA / "mems.yaml"), "--mission", str(DATA / "g4.yaml"))

@@ -235,6 +235,7 @@ def test_an_output_never_overwrites_an_input(tmp_path, option):
     assert path.read_text(encoding="utf-8") == text
 
 
+@pytest.mark.slow
 def test_a_reader_that_stops_reading_ends_the_program_in_silence():
     """`budget analyze | head -1` prints one line, and no error."""
     run = subprocess.run(

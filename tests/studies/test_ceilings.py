@@ -103,6 +103,7 @@ def test_a_coefficient_below_zero_counts_by_its_size():
     assert found.largest_comparable.owner == worst.largest_comparable.owner
 
 
+@pytest.mark.slow
 def test_hiding_technology_or_grade_brings_no_better_company():
     """What is not told may be any: the worst comparable device is never better."""
     lower = 0
@@ -126,6 +127,7 @@ def test_hiding_technology_or_grade_brings_no_better_company():
     assert lower > 50  # so it is no rule without effect
 
 
+@pytest.mark.slow
 def test_a_sheet_that_hides_its_worst_line_is_not_taken_for_better():
     """At the ceiling a hidden line is no better than any comparable sheet's."""
     for device in catalogue():

@@ -37,6 +37,7 @@ def at_the_edge():
     return decide(DEVICES, EDGE)
 
 
+@pytest.mark.slow
 def test_the_choice_is_what_compare_ranks_first(at_the_edge):
     """A device has the gravest verdict and the largest utilisation of its parts."""
     found = compare(DEVICES, EDGE, method="gum")
@@ -96,6 +97,7 @@ def test_a_test_is_chosen_where_the_maker_s_calibration_does_not_meet():
     assert chosen.utilisation == pytest.approx(least * 3000.0 / limit, rel=1e-9, abs=0)
 
 
+@pytest.mark.slow
 def test_the_age_is_that_of_the_allocation():
     """When it is due is what `allocate` says of the lines as they are."""
     device = load_device("hg4930#C").replace(
@@ -119,6 +121,7 @@ def test_triads_are_bought_apart_where_no_unit_has_both():
     assert [one.kind for one in found.purchases] == ["gyro", "accelerometer"]
 
 
+@pytest.mark.slow
 def test_the_same_calibration_is_named_as_it_is():
     """A procedure that is at hand takes the place of the paper's."""
     found = decide(["hg4930#C"], EDGE, ["twenty-four-positions", "zhao-2019"])
@@ -129,6 +132,7 @@ def test_the_same_calibration_is_named_as_it_is():
     )
 
 
+@pytest.mark.slow
 def test_the_command_answers_and_writes_its_page(tmp_path):
     """Terminal, page and document say the same; the exit code is the verdict's."""
     page = tmp_path / "d.html"
@@ -293,6 +297,7 @@ def test_a_headline_never_buys_what_is_not_judged(tmp_path):
     assert_says(found.out, "accelerometer", "not judged")
 
 
+@pytest.mark.slow
 def test_warnings_caps_and_the_rule_of_decision_stand_beside_the_choice(tmp_path):
     """What a comparison warns of is not lost on the way."""
     need = tmp_path / "need.yaml"

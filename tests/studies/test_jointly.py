@@ -200,6 +200,7 @@ def length():
 class TestOfOneNumber:
     """The verdict, its utilisation and its conditions."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("used", [0.97, 0.985, 0.995, 1.0, 1.005, 1.02])
     def test_the_verdict_goes_by_the_utilisation(self, length, used):
         """With nothing missing `at_ceilings` is what the verdict was taken by."""
@@ -211,6 +212,7 @@ class TestOfOneNumber:
         if found.verdict != "fails":
             assert_allclose(found.at_ceilings, found.utilisation, rtol=1e-12)
 
+    @pytest.mark.slow
     def test_a_unit_that_meets_has_room(self, length):
         """At 99 % of the limit some degrees; by Bonferroni there are none."""
         for decision, has_room in (("joint", True), ("each", False)):
@@ -222,6 +224,7 @@ class TestOfOneNumber:
             ]
             assert (found.verdict == "meets_if" and bounds[0] > 0.0) == has_room
 
+    @pytest.mark.slow
     def test_at_the_bound_of_a_line_the_limits_are_kept_with_p(self, length):
         """Put back into the sheet it gives p; the bound by Bonferroni gives more."""
         off = {}
@@ -234,6 +237,7 @@ class TestOfOneNumber:
             off[decision] = abs(back.conformance.value - P)
         assert off["joint"] < SAMPLED < off["each"]
 
+    @pytest.mark.slow
     def test_at_the_bound_of_a_temperature_the_limits_are_kept_with_p(self, length):
         """The same of a use that nobody has stated; all its coefficients are given.
 
@@ -287,6 +291,7 @@ def test_the_fast_screen_is_of_the_same_number():
     assert_allclose(used["gum"], used["monte-carlo"], rtol=4.0 * error)
 
 
+@pytest.mark.slow
 def test_an_allocation_keeps_limits_together():
     """At its limits it is not said to fail; by a factor of each alone it was."""
     found = allocate("zhao-2019", requirement=TOGETHER)

@@ -104,6 +104,7 @@ def test_one_verdict_whatever_the_command(predicted):
     assert_allclose(predicted.assessment.chance, pair.probability, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_page_says_the_probability_and_what_to_ask_for(predicted):
     """Headline, cards and limits; nothing at medians is called certain."""
     evidence = gather_evidence(question_of(predicted), predicted, predicted.assessment)

@@ -315,6 +315,7 @@ TWO_WALKS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("device", ["zhao-2019", TWO_WALKS], ids=str)
 def test_the_equator_is_a_place_like_others(device):
     """Where an error is lost in the rounding of others, all goes on as nearby.

@@ -259,6 +259,7 @@ def test_other_modes_are_of_one_unit(missing, by):
     assert not any("mixture" in text for text in found.assumptions)
 
 
+@pytest.mark.slow
 def test_a_requirement_changes_no_radius(predicted, tmp_path):
     """What is judged at the medians does not stand in the table of errors."""
     path = tmp_path / "wide.yaml"

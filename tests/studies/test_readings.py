@@ -265,6 +265,7 @@ def test_effects_are_what_the_law_gives_for_each(gyro):
     assert effects(asked(gyro(bias_repeatability="3 deg/h"))) == ()
 
 
+@pytest.mark.slow
 def test_commands_say_what_readings_do(gyro, limits, tmp_path):
     """compare, report and analyze: one record, printed and in JSON."""
     gyro(**JUDGED)

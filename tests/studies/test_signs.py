@@ -108,6 +108,7 @@ def test_the_market_offers_the_size(files):
     assert_allclose(offers, [3.0, 3.0], rtol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

@@ -126,6 +126,7 @@ def test_a_ratio_scales_figures_of_first_order(navigation):
         assert_allclose(figure(strict, quantity).alone, 0.4 * loose, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", ["equal", "proportional"])
 @pytest.mark.parametrize("device", ["paper", "warm"])
 def test_a_station_with_these_figures_just_does(strategy, device, tmp_path):
@@ -159,6 +160,7 @@ def test_one_figure_more_than_alone_does_not(navigation, tmp_path):
         assert found.stations[0].verdict == verdict
 
 
+@pytest.mark.slow
 def test_proportional_is_one_factor_on_the_own_station():
     """Figures keep the proportions that they have; what is not given gets nothing."""
     procedure = load_procedure(None, station="three-axis-table")
@@ -175,6 +177,7 @@ def test_together_is_never_more_than_alone(navigation):
         assert one.is_any or 0.0 < one.together <= one.alone * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_the_own_station_is_judged_first_and_says_what_it_takes():
     """Part of limit / R of each figure alone, and the squares of first order add up."""
     procedure = load_procedure(None, station="three-axis-table")
@@ -188,6 +191,7 @@ def test_the_own_station_is_judged_first_and_says_what_it_takes():
     assert figure(found, "mount").is_within is False
 
 
+@pytest.mark.slow
 def test_the_acceptance_limit_is_the_limit_less_the_guard_band():
     """A = limit - r U of the whole measurement, and of the station alone beside it.
 
@@ -286,6 +290,7 @@ def test_false_accept_is_what_items_that_are_drawn_show(bias):
             assert bool(off < 4.0) is agrees
 
 
+@pytest.mark.slow
 def test_two_percent_of_false_accepts_are_the_most():
     """An item in eight by simple acceptance is too much; a guard band mends it.
 

@@ -109,6 +109,7 @@ SHAKEN = sheet_with({"gyro.vibration_rectification": "500 deg/h/g^2"})
 class TestEnvironment:
     """What nobody states is a condition, what is stated counts."""
 
+    @pytest.mark.slow
     def test_temperature_that_nobody_states_bounds_the_verdict(self):
         """At the bound in degC that is named the limit is used up, ceilings counted."""
         hot = deepcopy(HOT)
@@ -142,6 +143,7 @@ class TestEnvironment:
         sigma = 500.0 * DEG_PER_HOUR * G * 60.0**3 / 6.0
         assert_allclose(radii.cep, 1.17741 * sigma, rtol=5e-3)
 
+    @pytest.mark.slow
     def test_vibration_that_nobody_states_bounds_the_verdict(self):
         """At the bound in g that is named the limit is used up."""
         shaken = deepcopy(SHAKEN)
@@ -168,6 +170,7 @@ class TestEnvironment:
         assert "as the maker calibrated it" in sensor.after
         assert "not exercised" in texts_of(sensor)
 
+    @pytest.mark.slow
     def test_a_sheet_that_hides_is_not_better_off(self):
         """Without the coefficient the verdict is the same, in every environment."""
         for environment in (None, "temperature 20 degC, vibration 1 g"):
@@ -197,6 +200,7 @@ class TestEnvironment:
         )
         assert found.assessment.sensors[0].verdict == "meets"
 
+    @pytest.mark.slow
     def test_a_residual_over_temperature_is_nothing_where_no_temperature_is(self):
         """It is 0 at the temperature of the test; unstated it counts in full."""
         sheet = sheet_with({"gyro.bias_over_temperature": "5000 deg/h"})
@@ -207,6 +211,7 @@ class TestEnvironment:
 class TestWhatNoSensorIs:
     """Sizes that no unit has, and a unit that is lost."""
 
+    @pytest.mark.slow
     def test_a_unit_that_is_lost_is_undecided(self):
         """1,000 deg/h turn a level in 60 s by 17 deg: first order is over."""
         lost = sheet_with({"gyro.bias_repeatability": "2000 deg/h"})
@@ -218,6 +223,7 @@ class TestWhatNoSensorIs:
         sensor, _ = standing_of(SHEET, "none", limits={"mission": far})
         assert sensor.verdict == "meets"
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("value", "said"),
         [
@@ -258,6 +264,7 @@ class TestAge:
         }
     )
 
+    @pytest.mark.slow
     def test_ageing_bounds_the_age(self):
         """At the age that is named the limit is used up."""
         environment = "temperature 0 degC, vibration 0 g"
@@ -349,6 +356,7 @@ class TestRange:
         wide = self.FOG | {"range": {"gyro": "400 deg/s", "accelerometer": "10 g"}}
         assert on_the_turn(wide).verdict == "meets"
 
+    @pytest.mark.slow
     def test_what_range_is_needed_is_said_where_none_is_given(self):
         """As a caution; as a condition where a device that is sold reads less."""
         sensor = on_the_turn(self.FOG)
@@ -381,6 +389,7 @@ class TestMissing:
         found = budget.analyze(sheet, requirement=need, validate=False)
         assert found.assessment.sensors[0].verdict == "meets"
 
+    @pytest.mark.slow
     def test_a_limit_on_heading_asks_for_no_scale_factor_of_accelerometers(self):
         """It reaches a heading by the turn of the earth alone, a millionth of it."""
         need = {
@@ -401,6 +410,7 @@ class TestMissing:
         )
         assert found.assessment.sensors[0].verdict == "meets"
 
+    @pytest.mark.slow
     def test_the_bound_of_a_line_is_where_the_limit_is_used_up(self):
         """A device with the line at its bound uses 100 % of its worst limit."""
         name = "accelerometer.bias_repeatability"
@@ -412,6 +422,7 @@ class TestMissing:
         there, _ = standing_of(sheet_with({name: f"{size!r} ug"}), "none")
         assert_allclose(there.utilisation, 1.0, rtol=1e-6)
 
+    @pytest.mark.slow
     def test_at_its_ceiling_it_meets_where_the_verdict_says_meets_if(self):
         """And above a limit that the ceiling overturns it is undecidable."""
         name = "accelerometer.bias_repeatability"
@@ -432,6 +443,7 @@ class TestMissing:
         sheet = sheet_with({}, without=("accelerometer.bias_repeatability",))
         assert standing_of(sheet, "none", **narrow)[0].verdict == "fails"
 
+    @pytest.mark.slow
     def test_g_sensitivity_of_a_mems_gyro_is_expected_on_a_route_that_turns(self):
         """And not on one that stands, nor of another technology."""
         for technology, expected in (("MEMS", True), ("FOG", False)):
@@ -674,6 +686,7 @@ def test_nine_sheets_made_to_mislead(name):
         assert sensor.conditions
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", [{"method": "gum"}, {}, {"missing": "predict"}])
 def test_a_hopeless_unit_never_stands_above_an_open_one(how):
     """Best first: meets, meets on conditions, open, fails; the first two have ranks."""
@@ -825,6 +838,7 @@ class TestHidden:
 
     AGED = TestAge.AGED
 
+    @pytest.mark.slow
     def test_an_environment_of_a_call_leaves_the_age_of_a_file(self):
         """`--environment none` beside 10 years in the requirement fails as they do."""
         need = NEED | {"age": "10 years"}
@@ -871,6 +885,7 @@ class TestHidden:
             told |= {"range": {"gyro": "90 deg/s"}}
             assert judged_of(told, **how).verdict == verdict
 
+    @pytest.mark.slow
     def test_a_level_hour_exercises_the_g_sensitivity(self):
         """1 g acts all the time: a line that overturns a verdict is asked for."""
         hour = {
@@ -929,6 +944,7 @@ class TestHidden:
         sensor = on_the_turn(untold)
         assert "gyro.g_sensitivity" in {one.line for one in sensor.conditions}
 
+    @pytest.mark.slow
     def test_bounds_of_several_uses_are_kept_together(self):
         """At 0.99 of the temperature and of the vibration that are named it meets."""
         both = sheet_with(

@@ -93,6 +93,7 @@ def test_turns_of_a_hand_give_the_truth():
     assert_allclose(found.bias, bias, rtol=0, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_weights_are_the_slopes_of_the_estimate():
     """Of every axis and window, of gyros and of directions, by central differences."""
     rng = np.random.default_rng(12)
@@ -246,6 +247,7 @@ def test_moves_that_cannot_be_are_refused(tmp_path, text, words):
     assert_says(str(caught.value), *words)
 
 
+@pytest.mark.slow
 def test_a_table_is_no_error_but_by_the_earth_rate():
     """Turns, stops and a base off by 0.1 deg: accelerometers nothing, gyros a w_e.
 

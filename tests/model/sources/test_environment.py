@@ -225,6 +225,7 @@ def law_of_random():
     return propagate(calibration_problem(WARM, RANDOM, only=ONLY))
 
 
+@pytest.mark.slow
 def test_pulses_have_the_spread_of_a_random_temperature():
     """24 standard uncertainties agree with the law within the error of the runs."""
     law = law_of_random()
@@ -495,6 +496,7 @@ def test_any_estimator_takes_the_temperature(name, course):
     assert seen[:3].all()
 
 
+@pytest.mark.slow
 def test_compare_allocate_and_analyze_agree_in_a_full_environment(tmp_path):
     """One budget: the utilisation of a limit is the same from every command."""
     station = tmp_path / "station.yaml"

@@ -159,6 +159,7 @@ def test_what_if_scales_it_in_both_triads(procedure):
         )
 
 
+@pytest.mark.slow
 def test_allocation_holds_it_and_tells_its_headroom(procedure, requirement):
     """It stays as it is; alone it may grow until the first triad is at a limit."""
     found = allocate(ZHAO, requirement=requirement, procedure=procedure, catalogue=())

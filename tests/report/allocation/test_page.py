@@ -81,6 +81,7 @@ def in_document(section):
     )
 
 
+@pytest.mark.slow
 def test_the_finding_comes_first(allocation, impossible):
     """The first line says whether the requirement can be met, and what is tight."""
     assert_says(
@@ -110,6 +111,7 @@ def test_every_line_has_its_values_in_the_unit_of_the_file(allocation):
         assert row[6].exact == source.factor
 
 
+@pytest.mark.slow
 def test_what_does_not_matter_is_marked():
     """A line that the strategy spares says so, as one that it moves does not."""
     found = allocate(

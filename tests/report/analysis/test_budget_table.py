@@ -150,6 +150,7 @@ def test_lower_bounds_are_marked():
     assert marked
 
 
+@pytest.mark.slow
 def test_a_station_has_its_rows():
     """Station lines are quantities too; those that are many and small stand together.
 

@@ -101,6 +101,7 @@ def answer(report):
     return [row for group in table.groups for row in group.rows]
 
 
+@pytest.mark.slow
 def test_page_one_answers_first():
     """The sections of page one come before all others: a table, what may change it."""
     for report in (example(), failing()):
@@ -511,6 +512,7 @@ def test_embedded_document_is_the_budget_and_its_extras():
     ]
 
 
+@pytest.mark.slow
 def test_what_if_with_limits_says_what_each_step_uses():
     """With limits there are the parts of them, and what the verdict becomes."""
     wanted = load_requirement(TACTICAL)
@@ -557,6 +559,7 @@ def test_steps_are_the_law_at_changed_sources(factor, place):
     assert_allclose(row[place].exact, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_what_if_says_where_the_report_does_not_stand_on_the_law():
     """A law in doubt, an interval that is not its own, another method: all are said."""
     budget = make_budget()

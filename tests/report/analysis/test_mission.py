@@ -214,6 +214,7 @@ def test_the_axis_has_two_decades_or_three(duration, asked, first):
     assert {one for one in asked if one >= first} <= set(times)
 
 
+@pytest.mark.slow
 def test_a_report_judges_mission_and_calibration_together(tmp_path):
     """One conformance of both; the page and the document have the same numbers."""
     wanted = tmp_path / "mile.json.yaml"
@@ -246,6 +247,7 @@ def test_a_report_judges_mission_and_calibration_together(tmp_path):
     assert 'id="mission-growth' in text
 
 
+@pytest.mark.slow
 def test_the_command_of_the_sliders_judges_the_mission(tmp_path, monkeypatch):
     """What the page hands out is a report, and says of a changed line what it says."""
     monkeypatch.chdir(tmp_path)
@@ -310,6 +312,7 @@ def page_of_a_mile(verdict):
     return re.sub(r"\s+", " ", unescape(re.sub(r"<[^>]*>", "", text)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verdict", ["meets", "fails"])
 def test_page_one_is_of_the_mission_that_is_limited(verdict):
     """Its contributors are those of the limited error; its place stands on top."""
@@ -399,6 +402,7 @@ def aided(unit, name):
     return found, curve(found.question, drawn_times(mission, mission.at))
 
 
+@pytest.mark.slow
 def test_a_mission_with_aids_is_drawn_to_where_they_end():
     """From as long before as the mission goes on after it, on an even axis."""
     _, drawn = aided("mems", "g4")
@@ -410,6 +414,7 @@ def test_a_mission_with_aids_is_drawn_to_where_they_end():
     assert "Shaded" not in growth_pictures(grown())[0].caption
 
 
+@pytest.mark.slow
 def test_a_mission_whose_aids_never_end_is_drawn_whole():
     """On both of its figures: one point, at its end, warned of an axis of no length."""
     part = {
@@ -426,6 +431,7 @@ def test_a_mission_whose_aids_never_end_is_drawn_whole():
     assert len(growth_pictures(curve(request, times))) == 1
 
 
+@pytest.mark.slow
 def test_what_an_own_filter_believes_stands_beside_what_is_true():
     """At every time, of position and heading; the optimal one has no such table."""
     own, optimal = (
@@ -528,6 +534,7 @@ def test_times_of_a_table_are_told_apart():
     assert len(set(times_apart(near))) == len(near)
 
 
+@pytest.mark.slow
 def test_limits_at_the_medians_are_marked_beside_the_mixture(tmp_path):
     """And a brief answer says how much it may use, and whom to ask for what."""
     wanted = tmp_path / "wanted.yaml"

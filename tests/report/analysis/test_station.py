@@ -82,6 +82,7 @@ def shaky(tmp_path):
     return load_device(tmp_path / "plain.yaml"), there
 
 
+@pytest.mark.slow
 def test_the_finding_is_what_the_station_adds_to_the_variance():
     """Of its largest share: one less the variance without it over that with it."""
     budget = table_top()

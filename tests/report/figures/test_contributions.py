@@ -154,6 +154,7 @@ def charts(name):
     yield from (coupling_chart(table, sensor) for sensor in ("gyro", "accelerometer"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["zhao-2019", "bmi088"])
 def test_labels_are_whole_and_on_no_line(name):
     """No text leaves the canvas, lies on a line or on another text."""
@@ -219,6 +220,7 @@ def test_labels_of_a_density_stand_free():
     assert crossed_texts(figure) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trials", [20, 40])
 def test_waterfall_of_trials_goes_by_the_law_first(trials):
     """Sources grow to the law's U; the trials' is a step apart, and U the last."""

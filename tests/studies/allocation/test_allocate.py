@@ -139,6 +139,7 @@ def test_the_allocated_device_meets_what_it_was_made_for(strategy):
         assert_allclose(row.allowed, 1.0, rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "limits", "strategy"),
     [
@@ -364,6 +365,7 @@ def test_relaxing_a_limit_to_the_floor_makes_it_feasible():
         assert allot(wanted=wanted, bounds=bounds).feasible is feasible
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("longer")
 def test_a_longer_dwell_that_is_found_meets():
     """The dwell named for what is held meets with it, and one 1 % shorter does not."""
@@ -505,6 +507,7 @@ def test_costs_decide_who_pays():
     assert all(report.is_optimal for report in paid.costs)
 
 
+@pytest.mark.slow
 def test_a_cost_at_a_floor_is_in_the_terms_of_the_data_sheet():
     """u_ref as the sheet prints its floor is what the device has: no u_ref at all."""
     one = load_device(

@@ -74,6 +74,7 @@ def test_allocated_lines_bring_the_circle_to_its_limit(strategy, coverage):
     assert_allclose(row.allowed, 1.0, rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reach", [0.2, 3.0])  # of the limit, in miles
 def test_what_is_allocated_does_not_fail_by_compare(reach):
     """Judged by trials as a device of its own it meets, or is at its limit."""
@@ -84,6 +85,7 @@ def test_what_is_allocated_does_not_fail_by_compare(reach):
     assert all(check.reached <= 1.01 for check in allocation.checks)
 
 
+@pytest.mark.slow
 def test_cost_shares_out_lines_of_both_triads():
     """The cheapest is no dearer than one factor on all lines, and a proven optimum."""
     wanted = on_mission()
@@ -102,6 +104,7 @@ def test_cost_shares_out_lines_of_both_triads():
     assert set(factors) == {"gyro", "accelerometer"}
 
 
+@pytest.mark.slow
 def test_limits_on_sensors_and_mission_hold_together():
     """Each line is at most what either allows; the device fails none of them."""
     wanted = on_mission(sensors=("gyro",), times=0.01)

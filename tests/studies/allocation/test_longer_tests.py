@@ -40,6 +40,7 @@ def allocated(**options):
     return found, _frame.cache_info().misses
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("procedure", [None, "twenty-four-positions"])
 def test_longer_tests_are_those_of_calibrations_built_anew(procedure, monkeypatch):
     """Every answer is that of setting up each test; by noise alone there are few."""
@@ -58,6 +59,7 @@ def test_longer_tests_are_those_of_calibrations_built_anew(procedure, monkeypatc
         assert_allclose(one.utilisation, other.utilisation, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_test_that_moves_more_than_noise_is_set_up(monkeypatch):
     """Where more turns make another estimator, each number of them is set up."""
     built, known = [], longer_tests._changes_noise  # noqa: SLF001

@@ -129,6 +129,7 @@ def test_a_filter_knows_the_lines_and_what_calibrated_them():
     assert_allclose(one.law_of(one.known(s), how).variance(s), alike, rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_alone")
 @pytest.mark.parametrize(
     ("unit", "mission", "limit"),
@@ -151,6 +152,7 @@ def test_what_is_allotted_is_at_the_limit_with_its_own_filter(unit, mission, lim
     assert circle(made(unit, allocation, 1.01), mission) > limit * 1.001
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_alone")
 @pytest.mark.parametrize("strategy", ["equal", "cost"])
 def test_every_strategy_retunes(strategy):
@@ -160,6 +162,7 @@ def test_every_strategy_retunes(strategy):
     assert 7.0 * (1.0 - 10.0 * TIGHT) < found <= 7.0 * (1.0 + TIGHT)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("nothing_alone")
 def test_gains_that_are_kept_share_out_less(monkeypatch):
     """They are a safe start: a control of what retuning is for."""
@@ -172,6 +175,7 @@ def test_gains_that_are_kept_share_out_less(monkeypatch):
     assert circle(made("tac", allocation), "g1") < 0.99 * 7.0
 
 
+@pytest.mark.slow
 def test_one_line_alone_may_grow_with_its_filter():
     """To five times, where the limit is what five times reach; kept gains: less."""
     device = load_device(DATA / "tac.yaml", [f"{WALK}=0.5 deg/sqrt(h)"])
@@ -183,6 +187,7 @@ def test_one_line_alone_may_grow_with_its_filter():
     assert kept.factor < 4.2
 
 
+@pytest.mark.slow
 def test_the_written_device_meets_on_the_command_line(tmp_path):
     """A file of what is allotted is at the limit of `budget mission`; it is said so."""
     wanted, written = (tmp_path / name for name in ("way.yaml", "made.yaml"))

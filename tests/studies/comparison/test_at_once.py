@@ -43,6 +43,7 @@ def changed(device, times):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("procedure", ["zhao-2019", "six-positions-and-turns"])
 @pytest.mark.parametrize("reference", REFERENCES)
 def test_a_law_of_a_shared_structure_is_that_of_its_own(procedure, reference):
@@ -85,6 +86,7 @@ def test_noise_goes_with_its_size():
             assert_allclose(b.covariance, 9.0 * a.covariance, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_predictions_made_at_once_are_those_of_each_alone():
     """To the last bit, whichever devices are beside one."""
     devices = [changed(one, 1.1) for one in catalogue()]
@@ -109,6 +111,7 @@ def test_predictions_made_at_once_are_those_of_each_alone():
     assert len(_others(tuple(catalogue())).kept) <= KEPT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wanted", ["catalogue-edge"])
 def test_chunks_and_workers_change_nothing(monkeypatch, wanted):
     """One device at a time, a few, all of them, here or elsewhere: one document."""

@@ -69,6 +69,7 @@ def test_better_devices_come_first():
     assert_allclose(used, np.array([1.0, 2.0, 4.0]) * used[0], rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [0.2, 1.0, 5.0])  # [nautical miles]
 @pytest.mark.parametrize("name", ["zhao-2019", "adis16495-1"])
 def test_verdict_is_that_of_the_mission_itself(name, limit):
@@ -110,6 +111,7 @@ def test_missing_lines_leave_what_would_meet_undecidable():
     assert {name.owner for name in open_one.missing.lines} == {*BOTH}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("calibration", ["none", "factory", "six-positions"])
 def test_what_a_new_unit_has_is_expected_of_it(calibration):
     """A data sheet that says nothing of its making meets no limit on a mission by that.

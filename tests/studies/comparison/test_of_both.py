@@ -99,6 +99,7 @@ def test_without_a_device_of_both_it_is_not_compared():
     assert {one.sensor for one in found.devices} == {"gyro"}
 
 
+@pytest.mark.slow
 def test_sensors_of_two_devices_do_not_meet_what_nobody_judged():
     """A pair of one device is judged whole; one of two is not, and never meets."""
     devices = ["zhao-2019", "hg4930#A"]
@@ -115,6 +116,7 @@ def test_sensors_of_two_devices_do_not_meet_what_nobody_judged():
         } == {*verdicts.items()}
 
 
+@pytest.mark.slow
 def test_every_row_of_the_catalogue_has_conditions_or_an_ask():
     """Under the requirements that ship and one on both; what fails asks for nothing."""
     more = {"gyro": {"bias": "20 deg/h"}, "accelerometer": {"bias": "10 mg"}}
