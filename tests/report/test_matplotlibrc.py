@@ -132,7 +132,7 @@ def test_every_function_that_draws_does_so_in_the_house_style():
     }
     assert len(drawing) > 5
     assert "with house_style():" in getsource(Plot.figure.fget)
-    by_plots = {
+    by_plots = {("tabled.py", "figure")} | {
         (file.name, node.value.body.func.id)
         for file in SHIPPED
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
