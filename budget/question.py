@@ -182,6 +182,8 @@ class Question:
     filling: Filling = field(default_factory=Filling)
     # Triads that are looked at, of those that are there.
     kinds: tuple[str, ...] = SENSORS
+    # The devices as they are printed, where others are asked about; (): these are.
+    sheets: tuple[Device, ...] = ()
     mission: Mission | None = None  # that limits may be on
     # Of what follows on it, and at which times besides those of limits [s]; None: the
     # calibration is looked at.
@@ -403,7 +405,7 @@ class Question:
             )
             for device in self.devices
         )
-        return replace(self, devices=devices)
+        return replace(self, devices=devices, sheets=self.sheets or self.devices)
 
     def with_lines(
         self, lines: Mapping[Name, ErrorLine], *, less: Sequence[str] = ()

@@ -1210,7 +1210,7 @@ def cautions_of(question: Question) -> tuple[Condition, ...]:
         ),
         *(
             one
-            for device in question.devices
+            for device in question.sheets or question.devices
             for own in [_unusual(device, question.catalogue)]
             for one in (*(x for x in own if x.line not in stands), *_aside(device))
         ),
