@@ -221,6 +221,7 @@ class Explorer:
             return Choices(name).visit(parse(source, name, filename))
 
         environment._parse = parsed
+        environment.bytecode_cache = None  # that of pages as they are
         environment.is_safe_callable = environment.is_safe_attribute = _safe
         environment.filters = Filters()
         environment.globals = environment.globals | {
