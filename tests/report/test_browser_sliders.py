@@ -419,7 +419,7 @@ def test_button_sets_the_slider_to_what_meets(browser, path):
         )
         assert said == f"meets up to {size}"
         used = read(page, "used")["gyro.scale_factor.x"][1]
-        assert "Gyro: MEETS IF" in verdict
+        assert "Gyro: MEETS." in verdict
         assert 0.999 < used <= 1.0
         assert f"#what-if?{source}=" in page.url
         move(page, source, ["ArrowRight"])
