@@ -901,10 +901,11 @@ def _parameters(
 
 def _with_parameters(text: str, found: Mapping[str, Row]) -> str:
     """Return a docstring with these at the end of its Parameters."""
-    head, mark, rest = cleandoc(text).partition("\n\nReturns\n")
+    # Up to the next section, if there is one.
+    head, *rest = re.split(r"(?=\n\n(?:Returns|Raises)\n)", cleandoc(text), maxsplit=1)
     lines = []
     for name, row in found.items():
         kind = _listed(row.choices) if row.choices else row.type.replace(" | ", " or ")
         kind = kind.replace(" or None", ", optional")
         lines += [f"{name} : {kind}", indent(fill(row.text, 84), "    ")]
-    return "\n".join([head, *lines]) + mark + rest
+    return "\n".join([head, *lines]) + "".join(rest)
