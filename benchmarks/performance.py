@@ -224,7 +224,7 @@ def round_of(tree: Path) -> dict[str, float]:
 def table(rounds: dict[str, list[dict[str, float]]]) -> str:
     """Return the rows as Markdown: of each tree, and of the first over the last."""
     trees = [*rounds]
-    heads = [*(f"{tree} [s]" for tree in trees), *(["ratio"] if trees[1:] else [])]
+    heads = [*trees, *(["ratio [1]"] if trees[1:] else [])]
     lines = [f"| what | {' | '.join(heads)} |", "|---|" + "---:|" * len(heads)]
     for row in rounds[trees[0]][0]:
         each = [median(one[row] for one in rounds[tree]) for tree in trees]
@@ -232,8 +232,9 @@ def table(rounds: dict[str, list[dict[str, float]]]) -> str:
         if trees[1:]:
             pairs = zip(rounds[trees[0]], rounds[trees[-1]], strict=True)
             cells.append(f"{median(a[row] / b[row] for a, b in pairs):.2f}")
-        name = "million normals a second, this core" if row == "yardstick" else row
-        name += " [1]" if row in FLOORS else ""
+        unit = "1e6/s" if row == "yardstick" else "1" if row in FLOORS else "s"
+        name = "normals drawn by this core" if row == "yardstick" else row
+        name += f" [{unit}]"
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines)
 
