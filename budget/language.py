@@ -30,7 +30,6 @@ import ast
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
-from importlib.resources import files
 from typing import TYPE_CHECKING, Self
 
 from budget import names
@@ -197,6 +196,8 @@ def _catalogue(language: str) -> Mapping[str, str]:
     """Read the translations of a language, by what they translate."""
     if language == ENGLISH:
         return {}
+    from importlib.resources import files
+
     return read_catalogue(
         (files("budget") / "languages" / f"{language}.po").read_text("utf-8")
     )

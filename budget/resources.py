@@ -8,7 +8,6 @@ import traceback
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache
-from hashlib import sha256
 from importlib.util import cache_from_source
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -167,6 +166,8 @@ def template_environment(**options: object) -> SandboxedEnvironment:
     OutputError
         By what asks it for a template that is missing.
     """
+    from hashlib import sha256
+
     from jinja2 import (
         BytecodeCache,
         FileSystemLoader,

@@ -856,13 +856,13 @@ def asking(job: str) -> Callable[[Callable[..., T]], Callable[..., T]]:
                     f"{function.__name__}() got an unexpected keyword argument "
                     f"{name!r}{hint} Allowed: {', '.join(allowed)}"
                 )
-            for name, row in every.items():
-                is_whole = spelled.keys() & given
-                if row.needed and not is_whole and given.get(name) is None:
-                    raise CallError(
-                        f"{function.__name__}() needs {name}={row.type}; none was given"
-                    )
             for name in spelled.keys() - given.keys():
+                for one, row in found[name].items():
+                    if row.needed and given.get(one) is None:
+                        kind = row.type.removesuffix(" | None")
+                        raise CallError(
+                            f"{function.__name__}() needs {one}={kind}; none was given"
+                        )
                 own = {one: given.pop(one) for one in [*given] if one in found[name]}
                 given[name] = ask(spelled[name], job, own)
             check(job, *(given[name] for name in spelled))

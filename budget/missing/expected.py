@@ -294,12 +294,6 @@ def _reach(
     }
 
 
-def missing_of(sensors: Sequence[Sensor], procedure: Procedure) -> tuple[Name, ...]:
-    """Return expected lines that are not given, of all that a verdict rests on."""
-    there = with_accelerometers(sensors, procedure)
-    return tuple(name for sensor in there for name in sensor.expected_missing)
-
-
 def _stand_in(name: Name, only: frozenset[Name] | None) -> Source | None:
     """Return the model line of a missing one; None where it is not asked for.
 

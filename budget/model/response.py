@@ -69,13 +69,6 @@ class Truth:
         part = SIGN[:, None, None] * vectors[ROW, :, COLUMN] * self.angle[:, None]
         return np.asanyarray(own + (part[0::2] + part[1::2]))
 
-    def see_across(self, vectors: Array) -> Array:
-        """Return dT_i v_ik, shape (3, k, trials): what the angles let through."""
-        part = (SIGN[:, None] * vectors[ROW, :, COLUMN])[..., None] * self.angle[
-            :, None
-        ]
-        return np.asarray(part[0::2] + part[1::2])  # ROW is 0, 0, 1, 1, 2, 2
-
 
 def statistics_of(own: Array, cross: Array, bias: Array) -> Array:
     """Put what belongs to parameters where their statistics stand, shape (3, 4, ...).
