@@ -187,7 +187,7 @@ def check(job: str, *asked: object) -> None:
     given = [
         (name, value, row)
         for name, value, row in found
-        if value != row.default or isinstance(value, bool)
+        if value is not row.default or isinstance(value, bool)
     ]
     words = [
         f"{name} is {value!r}, allowed: {', '.join(row.choices)}"

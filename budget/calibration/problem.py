@@ -181,13 +181,15 @@ def _structure(
         *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
     ]
     schemes = schemes_of(there, procedure, every=every)
+    # What a line of another package takes of the others nobody knows.
+    is_whole = any(row.source.origin for row in rows)
     return _Structure(
         key=(
             procedure,
             *(reference, every, outputs and tuple(outputs), len(sensors)),
             *((one.kind, id(schemes[one.kind]), *_design(one)) for one in there),
             *(
-                row.structure(is_felt=bool(procedure.environment))
+                row.structure(is_felt=bool(procedure.environment), is_whole=is_whole)
                 for row in rows
                 if row.owner in SENSORS
             ),
@@ -322,9 +324,17 @@ class _Row:
         source = source_of(owner, given.name).meant(given)
         return cls(owner=owner, given=given, source=source)
 
-    def structure(self, *, is_felt: bool) -> tuple[object, ...]:
-        """Return what the function takes of it: a size where coefficients are felt."""
+    def structure(self, *, is_felt: bool, is_whole: bool) -> tuple[object, ...]:
+        """Return what the function takes of it: a size where coefficients are felt.
+
+        All of its values, where any may be taken.
+        """
         given, effect = self.given, self.source.effect
+        if is_whole:
+            more = (given.u, given.correlation_time, given.low_cut, given.points)
+            values = (None if one is None else one.tobytes() for one in more)
+            own = tuple(sorted(given.own.items()))
+            return self.owner, given.name, given.form, given.horizons, own, *values
         size = given.u.tobytes() if is_felt and isinstance(effect, Coefficient) else b""
         is_there = bool(given.u.any())
         key = (self.owner, given.name, given.form, given.u.size, is_there)

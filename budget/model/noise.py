@@ -88,8 +88,11 @@ class Process(Protocol):
 def of_size_1(process: Process) -> tuple[float, Process]:
     """Return the size of a process, the first thing it is given, and it at size 1 SI.
 
-    Its covariance is that of size 1 times the square of the size.
+    Its covariance is that of size 1 times the square of the size. Of a process of
+    another package nobody knows which attribute is its size: it is as it is, of size 1.
     """
+    if type(process).__module__ != __name__:
+        return 1.0, process
     size, *more = vars(process).values()
     made: Callable[..., Process] = type(process)
     return size, made(1.0, *more)

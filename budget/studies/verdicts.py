@@ -481,7 +481,7 @@ class Margin:
         every = dict.fromkeys((*names, *(name for x in silent.values() for name in x)))
         tops = {
             name: one
-            for device in question.devices
+            for device in question.sheets or question.devices
             for own in [{sensor.kind for sensor in device.sensors}]
             for name, one in ceilings(
                 device,

@@ -264,7 +264,7 @@ def _wrong_effect(source: Source) -> Iterator[str]:
         own={one.name: one.usual for one in source.keys},
     )
     if isinstance(effect, Disturbance):
-        yield from _wrong_in_use(effect, n)
+        yield from _wrong_in_use(effect, n, has_keys=bool(source.keys))
     elif isinstance(effect, Noise):
         yield from _wrong_noise(effect, given)
     elif isinstance(effect, TurnOnChange):
@@ -274,7 +274,7 @@ def _wrong_effect(source: Source) -> Iterator[str]:
                 yield from _wrong_shape(f"gain of {target}, {which},", array, shape)
 
 
-def _wrong_in_use(effect: Disturbance, n: int) -> Iterator[str]:
+def _wrong_in_use(effect: Disturbance, n: int, *, has_keys: bool) -> Iterator[str]:
     """Yield what is wrong with what a disturbance adds, for one input and for many."""
     for x in (PROBED[1], PROBED, np.stack([PROBED, 2.0 * PROBED])):
         found = effect.in_use(x, x[..., ::-1])
@@ -283,11 +283,16 @@ def _wrong_in_use(effect: Disturbance, n: int) -> Iterator[str]:
                 yield "its effect adds nothing; expected in_use, or bind, of its own"
             return
         yield from _wrong_shape("in_use", found, (*x.shape, n))
+    if has_keys:
+        yield "its in_use is not told its keys; expected bind alone, or no keys"
 
 
 def _wrong_noise(effect: Noise, given: Given) -> Iterator[str]:
     """Yield what is wrong with a process over two windows, in a run, in samples."""
     process = effect.process(given, 0, RATE)
+    if type(process).__hash__ is None:
+        yield "its process has no hash; expected a frozen dataclass"
+        return
     windows = [Window(name=f"{k}", start=20.0 * k, length=10.0 + k) for k in range(2)]
     schedule, W = Schedule(windows=tuple(windows)), np.array([[1.0, -1.0], [0.5, 0.5]])
     C, reduced = process.covariance(schedule), process.reduce(schedule, W)
