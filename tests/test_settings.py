@@ -16,6 +16,7 @@ from places import EXAMPLE, PACKAGE, ROOT
 import budget
 from budget.cli import app
 from budget.cli.options import OutputFiles
+from budget.errors import CallError
 from budget.settings import CLI, Asked, Engine, Inputs, every_row, rows
 
 NEW = """    depth: int = setting(
@@ -88,6 +89,13 @@ def test_a_new_setting_is_one_field(tmp_path):
     assert "depth 7" in " ".join(re.sub("<[^>]+>", " ", page).split())
     stored = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert stored["settings"]["depth"] == 7
+
+
+@pytest.mark.parametrize("given", [{"seed": 0.0}, {"digits": 1.0}, {"workers": 1.0}])
+def test_a_number_of_another_kind_is_refused_where_it_is_the_usual_one(given):
+    """It says what is allowed, as of any other."""
+    with pytest.raises(CallError, match="whole numbers"):
+        budget.analyze("zhao-2019", validate=False, **given)
 
 
 LIBRARY = {

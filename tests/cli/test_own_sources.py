@@ -301,6 +301,103 @@ def test_a_process_with_keys_of_its_own_is_one_file(tmp_path):
     assert "gyro.pair: slow_time is not said: 3000 s taken" in usual.out
 
 
+# A change with a key, and a process whose size is not the first thing it is given.
+ODD = """
+from collections.abc import Mapping
+from dataclasses import dataclass
+import numpy as np
+from budget.model.noise import GaussMarkov
+from budget.model.source import DEVICE, IN_RUN, Key, Noise, Source, TurnOnChange
+
+class Cycled(TurnOnChange):
+    formula = "n b"
+    letters = "cycles n, bias b"
+
+    def gains(self, known):
+        later = known["cycled"].own["cycles"] * np.eye(3)
+        return {"bias": (np.zeros((3, 3)), later)}
+
+@dataclass(frozen=True)
+class Late:
+    time: float
+    sigma: float
+
+    @property
+    def same(self):
+        return GaussMarkov(self.sigma, self.time)
+
+    def covariance(self, schedule):
+        return self.same.covariance(schedule)
+
+    def reduce(self, schedule, weights):
+        return self.same.reduce(schedule, weights)
+
+    def in_run(self, sample_rate):
+        return self.same.in_run(sample_rate)
+
+class LateNoise(Noise):
+    formula = "u^2 = sigma^2"
+    letters = "process of size sigma"
+
+    def process(self, given, axis, sample_rate):
+        return Late(100.0, float(given.u[axis]))
+
+    def sampler(self, given, rng, sample_rate):
+        return lambda at: given.u[:, None] * rng.standard_normal((3, at.n))
+
+CYCLED = Source(
+    name="cycled", units={"gyro": "deg/h"}, model="by cycles", effect=Cycled(),
+    stays=DEVICE, keys=(Key(name="cycles", unit="s", usual=1.0, says="cycles"),),
+)
+LATE = Source(
+    name="late", units={"gyro": "deg/h"}, model="one", effect=LateNoise(), stays=IN_RUN
+)
+"""
+
+
+@pytest.mark.slow
+def test_a_line_of_ones_own_is_that_of_its_device(tmp_path):
+    """Not that of the one before it, and a process has the size that it says."""
+    install(tmp_path, "odd", {"cycled": "odd:CYCLED", "late": "odd:LATE"}, odd=ODD)
+    for n in (1, 50):
+        own = f"cycled: {{value: 0.1 deg/h, cycles: {n} s}}"
+        (tmp_path / f"cycles-{n}.yaml").write_text(device(own))
+    (tmp_path / "late.yaml").write_text(device("late: 0.2 deg/h"))
+    same = device().replace("0.3 deg/h, correlation_time: 300 s", "0.2 deg/h, {}")
+    same = same.replace("{}", "correlation_time: 100 s")
+    same = same.replace(f"    anisoelasticity: {K} deg/h/g^2", "")
+    (tmp_path / "same.yaml").write_text(same)
+    wanted = {"name": "w", "reference": "next_turn_on"}
+    wanted |= {"environment": "none", "limits": {"gyro": {"bias": "30 deg/h"}}}
+    (tmp_path / "wanted.yaml").write_text(json.dumps(wanted))
+    how = "--requirement wanted.yaml --method gum --json -"
+    only = "--no-validate --json - --only gyro"
+    *compared, late, markov = run(
+        tmp_path,
+        *(
+            f"compare {files} {how}"
+            for files in (
+                "cycles-1.yaml",
+                "cycles-50.yaml",
+                "cycles-1.yaml cycles-50.yaml",
+                "cycles-50.yaml cycles-1.yaml",
+            )
+        ),
+        f"analyze late.yaml {only}.late",
+        f"analyze same.yaml {only}.bias_stability",
+    )
+
+    one, five, *both = (
+        {x["file"]: x["utilisation"] for x in json.loads(outcome.out)["devices"]}
+        for outcome in compared
+    )
+    assert one["cycles-1.yaml"] < 0.9 * five["cycles-50.yaml"]
+    for found in both:
+        assert found == pytest.approx(one | five, rel=1e-12, abs=0)
+    bias = ("gyro", "bias", "x")
+    assert_allclose(spread(late, *bias), spread(markov, *bias), rtol=1e-9)
+
+
 HEAD = """
 from dataclasses import dataclass, replace
 import numpy as np
@@ -383,6 +480,7 @@ OFFSET = row("shift", Offset("tilt"))
 NEGATIVE = row("negative", Negative())
 MONEY = row("money", type("Money", (Fine,), {"formula": "$x$"})())
 NEEDED = row("needed", Fine(), expected="needed")
+UNTOLD = row("untold", Fine(), keys=(Key(name="cycles", unit="s", usual=1.0, says=""),))
 KEYED = row("keyed", Fine(), keys=(Key(name="value", unit="s", usual=1.0, says=""),))
 LATE = row("late", Late())
 UNBOUND = row("unbound", Unbound())
@@ -413,6 +511,7 @@ BROKEN = {
     "shift": ("broken:OFFSET", "its target is 'tilt', expected scale_factor"),
     "negative": ("broken:NEGATIVE", "not symmetric, or of a negative variance"),
     "money": ("broken:MONEY", "a formula without '$'"),
+    "untold": ("broken:UNTOLD", "its in_use is not told its keys"),
     "keyed": ("broken:KEYED", "its keys are not a tuple of Key"),
     "needed": ("broken:NEEDED", "it says expected, which ties lines of budget"),
 }

@@ -365,6 +365,19 @@ def test_relaxing_a_limit_to_the_floor_makes_it_feasible():
         assert allot(wanted=wanted, bounds=bounds).feasible is feasible
 
 
+@pytest.mark.parametrize(
+    ("bias", "verdict"), [("500 deg/h", "meets_if"), ("50000 deg/h", "meets")]
+)
+def test_what_a_line_hardly_exceeds_is_asked_of_the_sheet(bias, verdict):
+    """Not of what is allocated, from whose sizes others would be predicted larger."""
+    lines = {"bias_stability": "3 deg/h", "angle_random_walk": "0.2 deg/sqrt(h)"}
+    device = {"name": "x", "technology": "mems", "gyro": {"errors": lines}}
+    wanted = {"name": "y", "reference": "as_tested", "limits": {"gyro": {"bias": bias}}}
+    found = allocate(load_device(device), requirement=wanted, validate=False)
+
+    assert [one.verdict for one in found.standings] == [verdict]
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("longer")
 def test_a_longer_dwell_that_is_found_meets():
