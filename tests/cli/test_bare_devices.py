@@ -9,7 +9,7 @@ import json
 import pytest
 from command_line import call
 from keeping import once
-from saying import assert_says
+from reading import assert_says
 
 from budget.studies.comparison import judging
 

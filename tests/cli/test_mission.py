@@ -12,7 +12,7 @@ from command_line import call
 from keeping import once
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
+from reading import assert_says
 
 from budget.studies import analysis
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from command_line import call
+from reading import assert_says
 from report_examples import make_assessment, make_budget
-from saying import assert_says
 
 import budget
 from budget.report.pages import lines

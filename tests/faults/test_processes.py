@@ -27,7 +27,7 @@ from failing import (
     run_here,
     said,
 )
-from saying import assert_says
+from reading import assert_says
 
 from budget.cli.options import processors
 

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import pytest
 from command_line import call
-from document_text import on_terminal
-from saying import assert_says
+from reading import assert_says, on_terminal
 
 from budget.errors import CallError
 from budget.inputs import load_device, load_procedure

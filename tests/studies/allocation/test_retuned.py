@@ -10,7 +10,7 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
+from reading import assert_says
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.methods.allocation import headroom_of

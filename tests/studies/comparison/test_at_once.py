@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import Elsewhere
+from builders import Elsewhere
 from keeping import catalogue
 from numpy.testing import assert_allclose
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import SMALL, Elsewhere, device, paper_device, requirement
+from builders import SMALL, Elsewhere, device, paper_device, requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError

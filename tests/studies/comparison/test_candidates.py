@@ -8,14 +8,16 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from builders import NOWHERE, line, procedure
-from comparison_examples import (
+from builders import (
     K95,
+    NOWHERE,
     by_name,
     compared,
     device,
+    line,
     only_bias,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose
