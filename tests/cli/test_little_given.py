@@ -1,4 +1,4 @@
-"""Devices of which nothing, only zeros, a line or an axis is given, to every command."""
+"""Devices of which nothing, zeros, one line or axis is given, to every command."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from budget.studies.comparison import judging
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
 TRIADS = "name: u\ngyro: {{errors: {}}}\naccelerometer: {{errors: {}}}\n"
-VARIANT = (
-    "gyro: {}\nvariants:\n  A: {gyro: {errors: {bias_repeatability: 0.1 deg/h}}}\n"
-)
+VARIANT = """gyro: {}
+variants: {A: {gyro: {errors: {bias_repeatability: 0.1 deg/h}}}}
+"""
 ZEROS = (
     "{{bias_repeatability: 0 {0}, bias_stability: 0 {0}, "
     "mounting_repeatability: 0 arcsec}}"
@@ -48,8 +48,7 @@ SOON = "--mission bench --at 1e-4_s --no-validate"
 COMMANDS = (
     "validate UNIT",
     "devices UNIT",
-    "analyze UNIT",
-    f"analyze UNIT {GRADE} --no-validate",
+    f"analyze UNIT {GRADE}",
     "analyze UNIT --no-validate --only gyro.flicker",
     "analyze UNIT --no-validate --only bias_repeatability",
     f"analyze UNIT --method monte-carlo {FEW}",
@@ -67,12 +66,14 @@ COMMANDS = (
     "mission UNIT --mission bench-self-aligned --at 1e-4_s --no-validate",
     f"report UNIT -o out.html {GRADE} --no-validate --allocate",
     f"report UNIT -o out.html {SOON}",
-    f"report -o out.html {GRADE} --no-validate --compare UNIT",
+    f"report base.yaml -o out.html {GRADE} --no-validate --compare UNIT",
     f"compare UNIT {GRADE} {FEW} --max-trials 1000",
     f"compare UNIT zhao-2019 {GRADE} --method gum --validate --pairs",
     f"compare UNIT {GRADE} --mission bench --method gum",
-    f"compare UNIT {GRADE} --method gum --procedure zhao-2019"
-    " --procedure zhao-2019-eq4 -o out.html -o out.pdf --json out.json --csv out.csv",
+    (
+        f"compare UNIT {GRADE} --method gum --procedure zhao-2019 --procedure "
+        "zhao-2019-eq4 -o out.html -o out.pdf --json out.json --csv out.csv"
+    ),
     f"allocate UNIT {GRADE} --no-validate --strategy proportional",
     f"allocate UNIT {GRADE} --strategy cost --write out.yaml",
     f"station UNIT {GRADE}",
@@ -85,7 +86,7 @@ COMMANDS = (
     "diff UNIT UNIT",
 )
 # Of these a file of another shape is one without its variants: the others read them.
-DEAR = ("report UNIT", "allocate", "mission", "station", "diff zhao")
+DEAR = ("report", "allocate", "mission", "station", "diff zhao", "analyze UNIT --m")
 ANSWERED = (0, 1, 2)  # met, not met, refused in words
 UNSAID = re.compile(
     r"\bnan\b|\bNaN\b|Traceback|(?<![\d.])0 % of the variance|spread of the variance"
