@@ -358,7 +358,17 @@ def _draw_panel(
     top = 0.0
     for g, group in enumerate(panel.groups, start=place):
         if group.title:
-            _write_title(axes, top + HEAD / 2.0, group.title, room.left)
+            write(
+                axes,
+                group.title,
+                (0.0, top + HEAD / 2.0),
+                (EDGE - room.left, 0.0),
+                coords=("axes fraction", "data"),
+                va="center",
+                strong=True,
+                size=TEXT,
+                paper=1.0,
+            )
             top += HEAD
         ends = (top, top + chart.pitch * len(group.rows))
         if panel.scale.band:
@@ -467,22 +477,6 @@ def _draw_bar(axes: Axes, y: float, bar: ChartMark, gid: str | None) -> None:
             colour=bar.text_colour,
             ha="center",
         )
-
-
-def _write_title(axes: Axes, middle: float, title: str, left: float) -> None:
-    """Write the title of a group, from the left edge of its side."""
-    axes.annotate(
-        title,
-        (0.0, middle),
-        xycoords=("axes fraction", "data"),
-        xytext=(EDGE - left, 0.0),
-        textcoords="offset points",
-        fontsize=TEXT,
-        fontweight="bold",
-        color=INK,
-        va="center",
-        bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.0},
-    )
 
 
 def _write_above(axes: Axes, head: Head) -> None:
