@@ -489,6 +489,16 @@ class Question:
         return with_accelerometers(self.sensors, self.procedure)
 
     @property
+    def title(self) -> str:
+        """Names of the devices."""
+        return " + ".join(device.name for device in self.devices)
+
+    @property
+    def not_given(self) -> tuple[Name, ...]:
+        """Lines of the model that the data sheets of its triads do not give."""
+        return tuple(name for sensor in self.sensors for name in sensor.not_given)
+
+    @property
     def has_lines(self) -> bool:
         """Whether any error line is given."""
         return any(sensor.lines for sensor in self.sensors)

@@ -73,11 +73,25 @@ written(
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Study(Shown, Documented):
-    """What a study has found, a table, and what it rests on."""
+    """What a study has found, a table, and what it rests on.
 
+    Of one Question all but what it has found is put together by
+    budget.studies.envelope.
+    """
+
+    title: str = ""  # names of the devices
     inputs: tuple[InputFile, ...]  # files that it depends on
+    settings: Settings  # what it depends on besides
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
+    # What it answers (budget.question.Question): results know nothing of files.
+    question: Any = field(default=None, repr=False)
+
+    @property
+    def not_given(self) -> tuple[Name, ...]:
+        """Lines that the data sheets do not give."""
+        found: tuple[Name, ...] = self.question.not_given
+        return found
 
     def to_frame(self) -> pd.DataFrame:
         """Return its rows as a pandas frame, in printed units."""
@@ -817,8 +831,6 @@ class Budget(Study):
 
     Attributes
     ----------
-    title : str
-        Names of the devices.
     outputs : tuple of OutputBudget
         One for each calibration parameter [SI].
     covariance : ndarray, shape (n_out, n_out)
@@ -830,11 +842,8 @@ class Budget(Study):
     """
 
     command: str
-    title: str
-    settings: Settings
     outputs: tuple[OutputBudget, ...]
     covariance: Array = field(repr=False)
-    not_given: tuple[Name, ...]
     could_widen: Mapping[Name, tuple[Name, ...]]
     assessment: Assessment | None = None  # against the requirement, where there is one
     matrices: Mapping[str, Compensation] = field(default_factory=dict)
@@ -847,8 +856,6 @@ class Budget(Study):
     # The same mission after no calibration, the maker's, and the one it is of.
     bought: tuple[Calibrated, ...] = ()
     filter: Filtered | None = None  # of that mission, where it has one
-    # What it is of (budget.question.Question): results know nothing of files.
-    question: object = field(default=None, repr=False)
 
     @property
     def correlation(self) -> Array:

@@ -45,7 +45,6 @@ from budget.results import (
     Radii,
     SobolIndex,
     Validation,
-    input_files,
 )
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking, check
@@ -53,13 +52,14 @@ from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
 from budget.studies.doubt import ONE_SIGMA, Mixture
+from budget.studies.envelope import envelope
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
 from budget.studies.mission import bought, filtered, too_sure
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -136,8 +136,8 @@ def analyze_as(
         settings, coverage=question.coverage, reference=question.reference
     )
     check("analyze", settings, engine)
-    devices, procedure, sensors = question.devices, question.procedure, question.sensors
-    requirement, mission = question.requirement, question.mission
+    procedure, sensors = question.procedure, question.sensors
+    requirement = question.requirement
     of_test = question.journey is None
     if settings.matrices and not of_test:
         raise CallError(
@@ -145,13 +145,6 @@ def analyze_as(
             "which has neither; leave --outputs and --matrices out"
         )
     chosen, warnings = question.only, cautions.asked_alone(question)
-    if of_test:
-        warnings = (
-            *cautions.not_on_a_mission(requirement, mission),
-            *cautions.not_calibrated(devices, procedure),
-            *cautions.not_estimated(devices, procedure, requirement),
-            *warnings,
-        )
     problem, law = question.problem, question.law
     if engine.talk is not None:
         for text in _costs(problem, settings, engine.workers):
@@ -159,7 +152,6 @@ def analyze_as(
     warnings += cautions.options_without_effect(
         settings.method, trials=settings.trials, interval=settings.interval
     )
-    warnings += cautions.age_that_counts_not(procedure, settings.reference)
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
@@ -192,40 +184,29 @@ def analyze_as(
         matrices, absent = compensations(question)
         warnings += absent
     is_simulated = settings.method == "simulation"
+    settings = replace(
+        settings,
+        trials=estimate.trials,
+        formulas=procedure.formulas,
+        normals_per_trial=None if is_simulated else problem.normals_per_trial,
+        only=tuple(sorted(chosen or ())),
+        outputs=question.asked or (),
+        samples=None if indices is None else indices.samples,
+        sobol_scrambles=None if indices is None else indices.scrambles,
+    )
+    assumed = (
+        *(() if of_test else cautions.left_behind(sensors, procedure)),
+        *cautions.shared_constants(sensors, procedure, settings.reference),
+        *estimate.assumptions,
+    )
     budget = Budget(
+        **envelope(question, settings, assumed=assumed, warned=warnings),
         command=command,
-        title=" + ".join(device.name for device in devices),
-        inputs=input_files(
-            devices, procedure=procedure, mission=mission, requirement=requirement
-        ),
-        settings=replace(
-            settings,
-            trials=estimate.trials,
-            formulas=procedure.formulas,
-            normals_per_trial=None if is_simulated else problem.normals_per_trial,
-            only=tuple(sorted(chosen or ())),
-            outputs=question.asked or (),
-            samples=None if indices is None else indices.samples,
-            sobol_scrambles=None if indices is None else indices.scrambles,
-        ),
         outputs=tuple(
             _as_given(row, settings.coverage)
-            for row in _output_budgets(
-                question, estimate, indices=indices, lacks=question.lacks
-            )
+            for row in _output_budgets(question, estimate, indices=indices)
         ),
         covariance=estimate.covariance,
-        not_given=tuple(name for sensor in sensors for name in sensor.not_given),
-        assumptions=(
-            *(text for device in devices for text in device.assumptions),
-            *procedure.assumptions,
-            *(() if mission is None else mission.assumptions),
-            *(() if of_test else cautions.left_behind(sensors, procedure)),
-            *cautions.not_weighted(sensors, procedure),
-            *cautions.shared_constants(sensors, procedure, settings.reference),
-            *estimate.assumptions,
-        ),
-        warnings=warnings,
         could_widen=could_widen(
             sensors,
             procedure,
@@ -239,7 +220,6 @@ def analyze_as(
         readings=effects(question) if chosen is None and of_test else (),
         mission=question.journey,
         filter=found_out,
-        question=question,
     )
     budget = budget if requirement is None else _judge(budget, requirement)
     return replace(
@@ -497,10 +477,9 @@ def _output_budgets(
     estimate: MethodEstimate,
     *,
     indices: SobolResult | None,
-    lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
-    problem, law = question.problem, question.law
+    problem, law, lacks = question.problem, question.law, question.lacks
     names = [group.name for group in problem.groups]
     radii = _radii(problem, estimate)
     c = sensitivities(question)
