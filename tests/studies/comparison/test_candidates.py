@@ -290,7 +290,7 @@ def test_nothing_to_compare_is_an_error():
     [
         ({"method": "linear"}, "allowed: gum, monte-carlo"),
         ({"method": "monte-carlo", "validate": True}, "take --method gum"),
-        ({"trials": 1}, "2 or more"),
+        ({"trials": 1}, "2 to "),
         ({"trials": 200, "max_trials": 100}, "no more than --max-trials"),
         ({"procedures": [procedure(), procedure()]}, "of the same name"),
     ],
