@@ -12,6 +12,7 @@ from budget.calibration.derived import combination
 from budget.calibration.schemes import estimated
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.known import Known
 from budget.methods.execution import BLOCK, draw, small_blocks
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -45,6 +46,7 @@ from budget.results import (
     Radii,
     SobolIndex,
     Validation,
+    u_known,
 )
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking, check
@@ -508,7 +510,7 @@ def _output_budgets(
             OutputBudget(
                 output=output,
                 mean=float(estimate.mean[k]),
-                standard_uncertainty=float(u[k]),
+                standard_uncertainty=u_known(output, u[k], lacks[output.name]),
                 interval=(
                     float(estimate.interval[k, 0]),
                     float(estimate.interval[k, 1]),
@@ -516,9 +518,11 @@ def _output_budgets(
                 contributions=tuple(
                     Contribution(
                         source=name,
-                        standard_uncertainty=float(np.sqrt(max(variance, 0.0))),
+                        standard_uncertainty=Known.of(
+                            float(np.sqrt(max(variance, 0.0))),
+                            lacks[output.name] if name == INTERACTION else (),
+                        ),
                         share=float(variance) / total if total > 0.0 else 0.0,
-                        lower_bound=name == INTERACTION and bool(lacks[output.name]),
                         sobol=_sobol_index(indices, name, k),
                         u_input=float(c[name].u_input[k]) if name in c else None,
                         sensitivity=float(c[name].c[k]) if name in c else None,
@@ -533,7 +537,6 @@ def _output_budgets(
                 law_factor=float(factor[k]),
                 validation=estimate.validations[k],
                 radii=radii.get(output.name),
-                lacks=lacks[output.name],
                 degrees_of_freedom=float(law.degrees_of_freedom[k])
                 if is_known and estimate.method == BY_LAW
                 else None,

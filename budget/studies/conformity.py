@@ -12,7 +12,7 @@ from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
 from budget.question import question_of
 from budget.results import Assessment, CapAssessment
-from budget.studies.ceilings import ceilings
+from budget.studies.ceilings import ceilings_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     MAX_TRIALS,
@@ -21,8 +21,9 @@ from budget.studies.judgement import (
     screen,
     together,
 )
+from budget.studies.margin import Margin
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import Margin, verdict_on
+from budget.studies.verdicts import verdict_on
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -171,14 +172,7 @@ def open_to(
     """
     spared = {one.sensor: one.negligible for one in assessment.sensors}
     names = tuple(dict.fromkeys(name for own in spared.values() for name in own))
-    tops = {
-        name: one.line
-        for device in question.devices
-        for own in [{sensor.kind for sensor in device.sensors}]
-        for name, one in ceilings(
-            device, [name for name in names if name.owner in own], question.catalogue
-        ).items()
-    }
+    tops = {name: one.line for name, one in ceilings_of(question, names).items()}
     if not tops:
         return question.lacks
     whole = replace(question.with_lines(tops), designed=None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from budget.results import input_files
+from budget.results import input_file, input_files
 from budget.studies.cautions import (
     age_that_counts_not,
     not_calibrated,
@@ -47,7 +47,10 @@ def envelope(
     of_test = question.journey is None
     return {
         "title": question.title,
-        "inputs": input_files(question.devices, **read, **(files or {})),
+        "inputs": (
+            *input_files(question.devices, **read),
+            *(input_file(role, one) for role, one in (files or {}).items()),
+        ),
         "settings": settings,
         "assumptions": (
             *chain.from_iterable(one.assumptions for one in there if one is not None),

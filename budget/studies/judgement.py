@@ -47,6 +47,7 @@ from budget.results import (
     JudgedOutput,
     Probability,
     Remedy,
+    u_known,
 )
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.ties import ALIKE, equal_to, first_largest, settle
@@ -463,11 +464,10 @@ def assess_outputs(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],
-            standard_uncertainty=float(judged.u[k]),
+            standard_uncertainty=u_known(output, judged.u[k], open_to[k]),
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lacks=open_to[k],
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)

@@ -160,7 +160,7 @@ def _marked(
     density: ErrorDensity, value: float, *, is_mean: bool = False, is_end: bool = False
 ) -> Number:
     """Round a mean, a lower end or another number, which lines not given would move."""
-    known = Known.of(value, () if is_mean else density.lacks)
+    known = Known(value) if is_mean else density.u.like(value)
     return round_error(known.falling if is_end else known, density.u, density.output)
 
 

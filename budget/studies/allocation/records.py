@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Sensor
+    from budget.known import Known
     from budget.results import Verdict
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
@@ -60,7 +61,8 @@ class LimitPart:
     utilisation_allowed = allowed [1]: the same after the allocation
     utilisation_floor = floor [1]: the same of what cannot be allocated
     binding = is_binding: whether it is at its limit after the allocation
-    lower_bound: whether a line that is not given would take a part of it too
+    lower_bound = now.is_bound: whether a line that is not given would take a part of it
+      too
     parts: what each source takes of the squared limit
     """,
 )
@@ -78,7 +80,7 @@ class LimitPart:
 class SharedLimit(LimitedOutput):
     """One limit, and how it is shared out."""
 
-    now: float  # largest interval end over limit [1]
+    now: Known  # largest interval end over limit [1]
     allowed: float | None  # the same after the allocation [1]
     floor: float  # the same of what cannot be allocated [1]
     is_binding: bool
