@@ -53,7 +53,7 @@ from budget.studies.jointly import components_of, ends_together, largest_of_norm
 from budget.ties import ALIKE, equal_to, first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping, Sequence
+    from collections.abc import Container, Sequence
 
     from numpy.typing import NDArray
 
@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Problem
+    from budget.question import Question
     from budget.results import Verdict
 
 TRIALS = 100_000  # at first
@@ -448,17 +449,14 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 
 
 def assess_outputs(
-    held: Limited,
-    judged: Judged,
-    verdict: Verdict,
-    lacks: Mapping[Name, tuple[Name, ...]],
+    question: Question, judged: Judged, verdict: Verdict
 ) -> tuple[JudgedOutput, ...]:
     """Return every required output against its limit.
 
-    `lacks` are the lines that are not given and would widen an output, by its name;
-    those that by the verdict are negligible leave nothing open.
+    Lines that are not given and by the verdict are negligible leave nothing open.
     """
-    open_to = [verdict.matter(lacks[output.name]) for output in held.outputs]
+    held = question.limits
+    open_to = [verdict.matter(question.lacks[one.name]) for one in held.outputs]
     return tuple(
         JudgedOutput(
             output=output,

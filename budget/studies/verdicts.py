@@ -37,28 +37,26 @@ from budget.studies.doubt import doubt_of
 from budget.studies.judgement import TRIALS, assess_outputs, find_remedy, judge
 from budget.studies.lacking import expected_of
 from budget.studies.margin import Margin
-from budget.studies.readings import verdict_of
-from budget.studies.sheets import NO_TIME, SATURATES, cautions_of
+from budget.studies.sheets import NO_TIME, cautions_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from budget.question import Question
-    from budget.results import Doubt, ReadingVerdicts
+    from budget.results import ReadingVerdicts
     from budget.studies.judgement import Judged
 
 MEETS, MEETS_IF, PREDICTED, UNDECIDED, UNDECIDABLE, FAILS = VERDICTS
 
 
-def decide(
+def verdict_on(
     question: Question,
     judged: Judged,
     *,
     seed: int,
-    doubt: Doubt | None = None,
     readings: ReadingVerdicts | None = None,
 ) -> Verdict:
-    """Return the verdict on a question, the same in every command.
+    """Return the verdict on a question with its numbers, the same in every command.
 
     Parameters
     ----------
@@ -67,28 +65,54 @@ def decide(
         How it stands on what is given and on what stands for lines that are not.
     seed : int
         Of trials, where the law is not sure enough.
-    doubt : Doubt, optional
-        Of missing lines that are predicted.
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    found = _decided(question, judged, seed=seed, doubt=doubt, readings=readings)
-    aided = tuple(_of_aids(question))
-    found = replace(found, cautions=(*found.cautions, *aided))
-    if found.verdict in {UNDECIDABLE, FAILS}:
-        return found
-    lost = (
-        *(one for one in found.cautions if one.kind == NO_TIME),
-        *_lost(question),
-    )
-    if not lost:
-        return found
+    held, law = question.limits, question.law
+    prediction, missing = question.filled.prediction, question.missing
+    doubt = None
+    if prediction is not None and not missing and not held.absent:
+        doubt = doubt_of(prediction, held, law, judged)
+    found = replace(unjudged(question), doubt=doubt, readings=readings)
+    found = _within_first_order(question, _decided(question, judged, found, seed=seed))
+    outputs = assess_outputs(question, judged, found)
+    why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
+    is_bound = found.misses or bool(why)
     return replace(
         found,
-        verdict=UNDECIDED,
-        conditions=lost,
-        cautions=tuple(dict.fromkeys((*lost, *found.cautions))),
+        outputs=outputs,
+        utilisation=Known(judged.utilisation, high=inf if is_bound else None, why=why),
+        utilisation_interval=judged.utilisation_interval,
+        worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
+        remedy=find_remedy(held, law, judged),
+        conformance=judged.conformance,
+        at_medians=prediction is not None,
+        trials=judged.trials,
+        expected_missing=found.matter(missing),
+        nothing_known=not question.has_lines,
+        not_estimated=held.absent,
     )
+
+
+def stand(question: Question, *, seed: int) -> Verdict | None:
+    """Judge a question, by few trials where they are needed; None: it has no limit."""
+    if question.held is None:
+        return None
+    judged = judge(question.held, question.law, seed=seed, max_trials=TRIALS)
+    return verdict_on(question, judged, seed=seed)
+
+
+def _within_first_order(question: Question, found: Verdict) -> Verdict:
+    """Return a verdict with what aids leave of it; open where first order ends."""
+    found = replace(found, cautions=(*found.cautions, *_of_aids(question)))
+    if found.verdict in {UNDECIDABLE, FAILS}:
+        return found
+    no_time = (one for one in found.cautions if one.kind == NO_TIME)
+    lost = (*no_time, *_lost(question))
+    if not lost:
+        return found
+    cautions = tuple(dict.fromkeys((*lost, *found.cautions)))
+    return replace(found, verdict=UNDECIDED, conditions=lost, cautions=cautions)
 
 
 def _of_aids(question: Question) -> Iterator[Condition]:
@@ -134,57 +158,50 @@ def _lost(question: Question) -> tuple[Condition, ...]:
 
 
 def _decided(
-    question: Question,
-    judged: Judged,
-    *,
-    seed: int,
-    doubt: Doubt | None,
-    readings: ReadingVerdicts | None,
+    question: Question, judged: Judged, silent: Verdict, *, seed: int
 ) -> Verdict:
-    """Return the verdict as far as the equations are of first order."""
-    silent = unjudged(question)
-    cautions, words = silent.cautions, replace(silent, conditions=())
-    given = verdict_of(judged, question.limits.absent, doubt=doubt, readings=readings)
-    if any(one.kind == SATURATES for one in cautions):
+    """Return the verdict as far as the equations are of first order.
+
+    `silent` is how it stands before anything is computed: 'predicted' where it rests on
+    predicted lines; 'undecided' where it meets as its values are read and not under
+    every other reading.
+    """
+    given = judged.verdict(question.limits.absent)
+    if silent.doubt is not None:
+        given = PREDICTED
+    elif given == MEETS and silent.readings and silent.readings.passes != "all":
+        given = UNDECIDED
+    if silent.saturates:
         given = FAILS
+    words = replace(silent, verdict=given, conditions=())
     if question.only is not None and given == MEETS:
-        return replace(
-            words,
-            verdict=MEETS_IF,
-            conditions=(
-                Condition(
-                    kind="only",
-                    line=min(question.only),
-                    text=sentence("conditions.chosen"),
-                ),
-            ),
-            cautions=cautions,
-        )
+        line, text = min(question.only), sentence("conditions.chosen")
+        only = (Condition(kind="only", line=line, text=text),)
+        return replace(words, verdict=MEETS_IF, conditions=only)
     if given == FAILS or question.only:
-        return replace(words, verdict=given, cautions=cautions)
+        return words
     if not any(one.lines for one in question.there):
         return silent
     margin = Margin.of(question, judged, seed=seed)
     # What is predicted is in the doubt; what else nothing bounds decides all the same.
-    decisive = margin.decisive if doubt is None else margin.without_ceiling
-    conditions = tuple(
-        of_line(margin, name, alone=bool(decisive))
-        for name in (decisive or margin.missing)
-        if doubt is None or decisive
+    is_told = silent.doubt is None
+    decisive = margin.decisive if is_told else margin.without_ceiling
+    names = decisive or (margin.missing if is_told else ())
+    of_lines = (of_line(margin, name, alone=bool(decisive)) for name in names)
+    # Whatever a line is that does not decide and has no bound, it is no condition.
+    conditions = (
+        *(one for one in of_lines if decisive or one.below is not None),
+        *uses_of(question, margin),
     )
-    if not decisive:  # whatever a line is, it is no condition
-        conditions = tuple(one for one in conditions if one.below is not None)
-    uses = uses_of(question, margin)
-    verdict = given
-    if decisive and given in {MEETS, UNDECIDED, PREDICTED}:
-        verdict = UNDECIDABLE
-    elif given == MEETS and (conditions or uses):
-        verdict = MEETS_IF
+    if decisive:
+        given = UNDECIDABLE
+    elif given == MEETS and conditions:
+        given = MEETS_IF
     return replace(
         words,
-        verdict=verdict,
-        conditions=(*conditions, *uses),
-        cautions=(*conditions, *uses, *cautions),
+        verdict=given,
+        conditions=conditions,
+        cautions=(*conditions, *silent.cautions),
         at_ceilings=margin.at_ceilings,
         negligible=tuple(x for x in expected_of(question) if x not in margin.missing),
     )
@@ -200,7 +217,6 @@ def unjudged(question: Question) -> Verdict:
             Condition(
                 kind="missing",
                 line=name,
-                below=None,
                 unit=line.unit,
                 si_per_unit=line.si_per_unit,
                 decides=True,
@@ -220,49 +236,6 @@ def unjudged(question: Question) -> Verdict:
             coverage=requirement.coverage,
         ),
     )
-
-
-def verdict_on(
-    question: Question,
-    judged: Judged,
-    *,
-    seed: int,
-    readings: ReadingVerdicts | None = None,
-) -> Verdict:
-    """Return the verdict on a question with its numbers; arguments as of `decide`."""
-    held, law = question.limits, question.law
-    prediction, missing = question.filled.prediction, question.missing
-    doubt = None
-    if prediction is not None and not missing and not held.absent:
-        doubt = doubt_of(prediction, held, law, judged)
-    found = decide(question, judged, seed=seed, doubt=doubt, readings=readings)
-    outputs = assess_outputs(held, judged, found, question.lacks)
-    why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
-    is_bound = found.misses or bool(why)
-    return replace(
-        found,
-        outputs=outputs,
-        utilisation=Known(judged.utilisation, high=inf if is_bound else None, why=why),
-        utilisation_interval=judged.utilisation_interval,
-        worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
-        remedy=find_remedy(held, law, judged),
-        conformance=judged.conformance,
-        at_medians=prediction is not None,
-        trials=judged.trials,
-        expected_missing=found.matter(missing),
-        nothing_known=not question.has_lines,
-        doubt=doubt,
-        not_estimated=held.absent,
-        readings=readings,
-    )
-
-
-def stand(question: Question, *, seed: int) -> Verdict | None:
-    """Judge a question, by few trials where they are needed; None: it has no limit."""
-    if question.held is None:
-        return None
-    judged = judge(question.held, question.law, seed=seed, max_trials=TRIALS)
-    return decide(question, judged, seed=seed)
 
 
 def gravest(verdicts: Iterable[str]) -> str:
