@@ -174,8 +174,3 @@ def contribution(document, name, source):
         if part["source"] == source
     )
     return part
-
-
-def last_digit(printed):
-    """One unit in the last printed digit."""
-    return 10.0 ** -len(printed.partition(".")[2])

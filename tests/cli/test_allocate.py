@@ -9,7 +9,7 @@ from statistics import NormalDist
 import pytest
 from command_line import call, output
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.inputs import load_device
 from budget.studies.allocation import allocate

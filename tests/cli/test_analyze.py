@@ -7,9 +7,10 @@ import re
 
 import numpy as np
 import pytest
-from command_line import analyze, call, contribution, last_digit, output
+from builders import last_digit
+from command_line import analyze, call, contribution, output
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.model.sources import lines_of
 

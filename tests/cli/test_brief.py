@@ -4,8 +4,8 @@ import io
 
 import pytest
 from command_line import call
+from reading import assert_says
 from rich.console import Console
-from saying import assert_says
 
 from budget.cli import options
 from budget.language import speaking

@@ -13,8 +13,8 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 from places import ROOT
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, store, stored
-from saying import assert_says
 
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, take

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from command_line import call, start
 from places import PACKAGE
-from saying import assert_says
+from reading import assert_says
 from typer.main import get_command
 
 from budget.cli import app

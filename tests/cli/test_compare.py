@@ -10,7 +10,7 @@ import re
 import pytest
 from command_line import call
 from places import DOCS
-from saying import assert_says
+from reading import assert_says
 
 SENSOR = """\
   errors:

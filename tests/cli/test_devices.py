@@ -5,7 +5,7 @@ from __future__ import annotations
 import command_line
 import pytest
 from command_line import call
-from saying import assert_says
+from reading import assert_says
 
 import budget
 from budget.errors import SpecError

@@ -11,8 +11,8 @@ from math import sqrt
 import pytest
 from command_line import analyze, call, output
 from numpy.testing import assert_allclose
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, store
-from saying import assert_says
 
 from budget.resources import shipped
 

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.studies.export.template import targets
 

@@ -9,13 +9,11 @@ from functools import cache
 
 import pytest
 from command_line import call
-from keeping import once
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
+from reading import assert_says
 
-from budget.studies import analysis
-
+pytestmark = pytest.mark.usefixtures("analyzed_once")
 OUTAGE = ("mission", "zhao-2019", "--mission", "outage-60-s", "--no-validate")
 BENCH = ("mission", "zhao-2019", "--mission", "bench", "--no-validate", "--at", "1 h")
 LIMITS = """\
@@ -28,20 +26,6 @@ limits:
       - {horizontal: 100 m, at: 45 s}
     heading: {limit: 1 arcsec, at: 30 s}
 """
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _computed_once():
-    """Compute a budget once, in however many forms it is told."""
-    compute = once(analysis.analyze_as, {})
-
-    def kept(*args, **options):
-        del options["engine"]  # its talk and its bar are for no two calls the same
-        return compute(*args, **options)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analysis, "analyze_as", kept)
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import re
 
 import pytest
 from command_line import call
-from document_text import on_terminal
+from reading import on_terminal
 
 from zhao_2019 import study as computing
 from zhao_2019.figures import print_ratio

@@ -6,7 +6,7 @@ import re
 
 import pytest
 from command_line import call
-from saying import assert_says
+from reading import assert_says
 
 from budget.model.sources import SENSORS
 

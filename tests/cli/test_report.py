@@ -10,8 +10,7 @@ from html import unescape
 
 import pytest
 from command_line import call, checked, start
-from pdf_reading import needs_poppler, squeeze, text_of
-from saying import assert_says
+from reading import assert_says, needs_poppler, squeeze, text_of
 
 from budget.resources import shipped
 

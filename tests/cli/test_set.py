@@ -10,7 +10,7 @@ from html import unescape
 
 import pytest
 from command_line import call
-from saying import assert_says
+from reading import assert_says
 
 from budget import load_catalogue, load_device
 from budget.cli import app

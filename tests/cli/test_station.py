@@ -9,7 +9,7 @@ import pytest
 from command_line import call
 from keeping import once
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.studies import stations
 

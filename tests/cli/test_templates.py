@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from pdf_reading import needs_poppler, squeeze, text_of
+from reading import needs_poppler, squeeze, text_of
 
+pytestmark = pytest.mark.usefixtures("analyzed_once")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "templates"
 REPORT = ("report", "stim300#5g", "--no-validate")
 FURTHER = "pages/further.md.j2"

@@ -7,7 +7,7 @@ import json
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 import budget
 from budget.errors import CallError, SpecError

@@ -11,7 +11,8 @@ from runpy import run_path
 from shutil import copy
 
 import pytest
-from command_line import analyze, call, last_digit, output
+from builders import last_digit
+from command_line import analyze, call, output
 from numpy.testing import assert_allclose
 from places import ROOT
 

@@ -7,7 +7,7 @@ from html import unescape
 
 import pytest
 from command_line import call
-from pdf_reading import needs_poppler, squeeze, text_of
+from reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.document import json_text

@@ -28,9 +28,6 @@ pytestmark = [
     pytest.mark.usefixtures("drawn_once", "computed_once"),
 ]
 
-# Both tests of one command follow each other: what it computes is computed once.
-every_command = pytest.mark.parametrize("name", WRITING, scope="module")
-
 NOBODY = 65_534  # user and group without rights
 ADDRESS_SPACE = 500 << 20  # [bytes] libraries take 350 MB, 2e6 trials 384
 
@@ -65,7 +62,7 @@ def small_files(most):
 
 
 @pytest.mark.slow
-@every_command
+@pytest.mark.parametrize("name", WRITING)
 def test_a_limit_on_the_size_of_files(name, tmp_path):
     """A disk that takes 2 kB of a file: exit 2, the old files whole, no scraps."""
     for path in ("a.json", "a.csv", "a.html", "a.pdf"):
@@ -99,7 +96,7 @@ def small_disk(folder, options):
 
 
 @pytest.mark.slow
-@every_command
+@pytest.mark.parametrize("name", ["analyze", "export", "new", "paper"])  # all formats
 def test_a_full_disk(name, tmp_path):
     """A disk of 8 kB: exit 2, the message names the file, old files are whole."""
     with small_disk(tmp_path / "disk", "size=8k") as disk:

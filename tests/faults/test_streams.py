@@ -28,7 +28,7 @@ from failing import (
     said,
 )
 from forked import NO_READER
-from saying import assert_says
+from reading import assert_says
 
 from budget.cli import app
 

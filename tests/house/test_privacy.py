@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from places import ROOT, SHIPPED
-from sources import nodes_of
+from places import ROOT, SHIPPED, nodes_of
 from watching import CALLS, watch
 
 from budget.cli import app

@@ -8,8 +8,7 @@ import re
 from collections import Counter
 
 import pytest
-from places import DOCS, PACKAGE, ROOT, SHIPPED
-from sources import nodes_of
+from places import DOCS, PACKAGE, ROOT, SHIPPED, nodes_of
 
 import budget
 from budget.cli import app

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from saying import assert_says
+from reading import assert_says
 
 from budget import load_device
 from budget.errors import CallError, SpecError

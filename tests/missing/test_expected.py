@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 from builders import asked
-from document_text import on_terminal
 from keeping import catalogue
 from places import DOCS
+from reading import on_terminal
 
 from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem

@@ -8,7 +8,7 @@ from hashlib import sha256
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.references.store import _checksum
 

@@ -6,8 +6,8 @@ import json
 
 import pytest
 from command_line import call
+from reading import assert_says
 from reference_examples import DEVICE
-from saying import assert_says
 
 from budget.errors import CallError
 from budget.references.check import make_reference

@@ -10,7 +10,7 @@ from math import isclose
 import pytest
 from command_line import call
 from keeping import once
-from pdf_reading import pages_of, squeeze
+from reading import pages_of, squeeze
 from reference_examples import DEVICE
 
 from budget.studies import stations

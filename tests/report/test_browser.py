@@ -12,8 +12,8 @@ import pytest
 from browsing import CONTRAST, axe_core, chromium, opened, written
 from command_line import call
 from numpy.testing import assert_allclose
+from reading import assert_says
 from report.test_page import HOSTILE, example, fill
-from saying import assert_says
 
 from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table

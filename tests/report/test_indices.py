@@ -6,7 +6,7 @@ import re
 
 import pytest
 from builders import NOWHERE, procedure, sensor
-from document_text import on_terminal
+from reading import on_terminal
 
 from budget.inputs.records import Device
 from budget.report.analysis.groups import budget_answer

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from reading import assert_says
 from report_examples import GYRO, make_budget, make_output, make_outputs
-from saying import assert_says
 
 from budget import load_device, load_procedure
 from budget.language import say, speaking

@@ -7,9 +7,9 @@ import re
 from types import SimpleNamespace
 
 import pytest
+from reading import assert_says
 from report_examples import GYRO, make_budget, make_output, make_outputs
 from rich.console import Console
-from saying import assert_says
 
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Cell, Column, RowGroup, Table

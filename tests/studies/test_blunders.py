@@ -7,12 +7,18 @@ from math import atan2, cos, degrees, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from acting import UNITS, assert_printed, simulated
-from builders import line, paper_accelerometer, paper_gyro
+from builders import (
+    UNITS,
+    assert_printed,
+    line,
+    paper_accelerometer,
+    paper_gyro,
+    simulated,
+)
 from command_line import call
 from numpy.testing import assert_allclose
 from places import ROOT
-from saying import assert_says
+from reading import assert_says
 
 from budget import compare
 from budget.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, normal_gravity

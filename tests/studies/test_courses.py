@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION

@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import pytest
 from command_line import call
-from document_text import on_terminal
-from saying import assert_says
+from reading import assert_says, on_terminal
 
 from budget.errors import CallError
 from budget.inputs import load_device, load_procedure
@@ -43,11 +42,11 @@ def test_the_choice_is_what_compare_ranks_first(at_the_edge):
     found = compare(DEVICES, EDGE, method="gum")
     (purchase,) = at_the_edge.purchases
 
-    assert purchase.chosen.name == found.ranked_imus[0][0].gyro == "HG4930 (C)"
+    assert purchase.chosen.name == found.imus[0].name == "HG4930 (C)"
     assert {one.name: one.verdict for one in purchase.best} == {
-        pair.gyro: pair.verdict for pair, _ in found.ranked_imus
+        pair.name: pair.verdict for pair in found.imus
     }
-    assert purchase.chosen.utilisation == found.ranked_imus[0][0].utilisation
+    assert purchase.chosen.utilisation == found.imus[0].utilisation
     assert at_the_edge.is_met
 
 

@@ -70,6 +70,18 @@ def test_the_divisor_is_that_of_meaning_and_shape(budget, name, divisor, u):
     assert_allclose(found.u, u, rtol=1e-14)
 
 
+def test_what_does_not_spread_is_shared_out_to_nothing(budget):
+    """Shares of a variance add up to 1; of none, each is 0."""
+    zero = {"name": "z", "gyro": {"errors": {"bias_repeatability": "0 deg/h"}}}
+    for found, whole in (
+        (budget, 1.0),
+        (analyze(load_device(zero), validate=False), 0),
+    ):
+        for row in found.outputs:
+            share = sum(part.share for part in row.contributions)
+            assert_allclose(share, whole, rtol=1e-12)
+
+
 def test_printed_over_divisor_is_u_in_the_whole_catalogue():
     """Of every shipped line with one value: what is printed over its divisor is u(x).
 

@@ -8,13 +8,13 @@ from math import erf, log, sqrt
 
 import numpy as np
 import pytest
-from builders import procedure
-from comparison_examples import (
+from builders import (
     SIZES,
     bounded_bias,
     compared,
     device,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose, assert_array_equal

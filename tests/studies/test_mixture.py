@@ -8,9 +8,9 @@ from math import erf, sqrt
 
 import numpy as np
 import pytest
-from document_text import on_terminal
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from reading import on_terminal
 from scipy.integrate import quad
 from scipy.stats import t
 

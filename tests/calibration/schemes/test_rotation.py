@@ -9,7 +9,7 @@ import pytest
 from builders import line, sensor
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of, schemes_of

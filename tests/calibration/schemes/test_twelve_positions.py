@@ -9,7 +9,7 @@ import pytest
 from builders import line, procedure, sensor
 from keeping import Pulses
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import schedule_of, scheme_of

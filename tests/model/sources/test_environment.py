@@ -7,21 +7,24 @@ from functools import cache
 
 import numpy as np
 import pytest
-from acting import (
+from builders import (
     ACC_BIAS,
     ACC_SF,
     GYRO_ANGLE,
     GYRO_BIAS,
     GYRO_SF,
+    NOWHERE,
     UNITS,
     assert_printed,
+    at_sources,
     errors,
+    line,
+    procedure,
     simulated,
     triads,
 )
-from builders import NOWHERE, at_sources, line, procedure
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget import compare, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem

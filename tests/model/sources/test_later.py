@@ -6,10 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import ACC_BIAS, ACC_SF, GYRO_BIAS, GYRO_SF, UNITS, triads
-from builders import at_sources, line, procedure
+from builders import (
+    ACC_BIAS,
+    ACC_SF,
+    GYRO_BIAS,
+    GYRO_SF,
+    UNITS,
+    at_sources,
+    line,
+    procedure,
+    triads,
+)
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate

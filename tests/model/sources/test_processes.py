@@ -7,8 +7,7 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from acting import GYRO_SF, UNITS, assert_printed
-from builders import line, procedure, sensor
+from builders import GYRO_SF, UNITS, assert_printed, line, procedure, sensor
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 

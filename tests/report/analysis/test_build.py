@@ -9,8 +9,8 @@ from functools import cache
 from types import SimpleNamespace
 
 import pytest
-from document_text import find, lines, names, rows, say, section
 from numpy.testing import assert_allclose
+from reading import assert_says, find, lines, names, rows, say, section
 from report_examples import (
     ACCELEROMETER,
     AFTER,
@@ -23,7 +23,6 @@ from report_examples import (
     make_procedure,
     make_standing,
 )
-from saying import assert_says
 
 from budget.inputs import load_requirement
 from budget.inputs.device import read_device

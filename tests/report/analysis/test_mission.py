@@ -15,11 +15,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from command_line import call, checked
-from document_text import find, on_terminal, say
 from figure_text import crossed_texts, cut_texts
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
+from reading import assert_says, find, on_terminal, say
 
 from budget.inputs import (
     load_device,

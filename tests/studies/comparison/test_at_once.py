@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import Elsewhere
+from builders import Elsewhere
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
@@ -20,8 +20,6 @@ from budget.problem import Group
 from budget.studies.comparison import judging
 from budget.studies.comparison.compare import compare
 from budget.studies.margin import turn
-
-REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 
 def changed(device, times):
@@ -44,8 +42,14 @@ def changed(device, times):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("procedure", ["zhao-2019", "six-positions-and-turns"])
-@pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.parametrize(
+    ("procedure", "reference"),
+    [
+        ("zhao-2019", "nominal"),
+        ("zhao-2019", "next_turn_on"),
+        ("six-positions-and-turns", "as_tested"),
+    ],
+)
 def test_a_law_of_a_shared_structure_is_that_of_its_own(procedure, reference):
     """Of every device that ships, after one of its structure: function and derivatives.
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget import analyze, load_device, load_procedure
 from budget.errors import CallError
