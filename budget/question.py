@@ -158,6 +158,31 @@ class Limited:
         """The required outputs."""
         return tuple(self.problem.outputs[row] for row in self.rows)
 
+    @cached_property
+    def law(self) -> Propagation:
+        """The law of propagation for the Problem."""
+        return propagate(self.problem)
+
+    @property
+    def mean(self) -> Array:
+        """Expected errors by the law, shape (n_required,) [SI]."""
+        return self.law.mean[self.rows]
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties by the law, shape (n_required,) [SI]."""
+        return self.law.standard_uncertainty[self.rows]
+
+    @cached_property
+    def by_law(self) -> Array:
+        """Coverage intervals by the law, shape (n_required, 2) [SI]."""
+        return np.asarray(self.law.interval(self.every_coverage)[self.rows])
+
+    @property
+    def lengths(self) -> NDArray[np.intp]:
+        """Places among the lengths of the Problem; below 0 of what is none."""
+        return self.rows - (self.law.value.size - self.law.legs.shape[1])
+
     @property
     def every_coverage(self) -> Array:
         """Coverages of all outputs of the Problem, shape (n_out,) [1].
@@ -662,7 +687,7 @@ class Question:
     @cached_property
     def law(self) -> Propagation:
         """The law of propagation for it."""
-        return propagate(self.problem)
+        return propagate(self.problem) if self.held is None else self.held.law
 
     @property
     def carried(self) -> tuple[Mission, tuple[Name, ...]] | None:

@@ -242,14 +242,7 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEst
     limits are judged; what has a limit is judged later.
     """
     problem, law, coverage = question.problem, question.law, settings.coverage
-    wanted = question.requirement
-    found = intervals_of(
-        problem,
-        law,
-        coverage=coverage,
-        seed=settings.seed,
-        besides=() if wanted is None else wanted.outputs,
-    )
+    found = intervals_of(question, seed=settings.seed)
     estimate = MethodEstimate(
         method=BY_LAW,
         trials=None,

@@ -105,7 +105,6 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
         prediction = own.filled.prediction
         judged = judge(
             held,
-            own.law,
             seed=seed,
             # What missing lines leave open, no trial decides.
             max_trials=TRIALS if prediction else MAX_TRIALS,
@@ -158,7 +157,7 @@ def margins(question: Question) -> Iterator[tuple[Question, Margin]]:
         own = question.alone(owner)
         if own.held is None or not own.has_lines:
             continue
-        judged = screen(own.held, own.law, seed=0)
+        judged = screen(own.held, seed=0)
         yield own, Margin.of(own, judged, seed=0)
 
 

@@ -34,7 +34,7 @@ from budget.names import Name
 from budget.results import TINY
 from budget.studies.ceilings import BY_NATURE, ceilings_of, largest_printed
 from budget.studies.jointly import Jointly, components_of
-from budget.studies.judgement import TRIALS, interval_by_law, judge
+from budget.studies.judgement import TRIALS, judge
 from budget.studies.lacking import (
     COEFFICIENTS,
     IN_GRAVITY,
@@ -58,7 +58,6 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine
-    from budget.methods.gum import Propagation
     from budget.question import Limited, Question
     from budget.studies.ceilings import Ceiling
     from budget.studies.judgement import Judged
@@ -131,7 +130,7 @@ class Margin:
     @classmethod
     def of(cls, question: Question, judged: Judged, *, seed: int) -> Margin:
         """Compute what each missing line and each use that is not stated makes."""
-        held, law = question.limits, question.law
+        held = question.limits
         names, uses = expected_of(question), unstated(question)
         stands = {one.expected: one for one in question.filled.lines}
         silent = {key: lacking_use(question, key) for key in uses}
@@ -168,8 +167,7 @@ class Margin:
         }
         for k, name in enumerate(in_test, start=len(places)):
             groups[name] = (*groups.get(name, ()), k)
-        circle = np.abs(interval_by_law(held, law)).max(axis=1)
-        is_length = held.rows >= law.value.size - law.legs.shape[1]
+        circle = np.abs(held.by_law).max(axis=1)
         used = judged.used * held.limits / np.maximum(circle, TINY)
         margin = cls(
             held=held,
@@ -186,25 +184,24 @@ class Margin:
                 if (name := Name(line.name, owner=sensor.kind)) in places
             },
             silent=silent,
-            parts=np.concatenate([_parts(whole, asked.law), *tests]),
-            rest=_parts(held, law, whole=True)[0],
-            mean=np.abs(law.mean[held.rows]),
+            parts=np.concatenate([_parts(whole), *tests]),
+            rest=_parts(held, whole=True)[0],
+            mean=np.abs(held.mean),
             factor=(_factor(held, judged),) * 2,
-            ratio=np.where(is_length, used, 0.0),
+            ratio=np.where(held.lengths >= 0, used, 0.0),
         )
         margin = margin._reaching(question)
         if held.is_joint:
-            both = _jointly(margin, whole, asked.law, law, judged)
-            margin = replace(margin, jointly=both)
+            margin = replace(margin, jointly=_jointly(margin, whole, judged))
         margin = margin.less([x for x in margin.missing if _is_suspected(question, x)])
         if margin.without_ceiling or not (missing and judged.by_trials.any()):
             return margin
-        top = question.with_lines(missing)
-        at_top = judge(top.limits, top.law, seed=seed, max_trials=TRIALS)
+        top = question.with_lines(missing).limits
+        at_top = judge(top, seed=seed, max_trials=TRIALS)
         if margin.jointly is not None:
             ends = (*margin.jointly.known, (margin.weights, at_top.utilisation))
             margin = replace(margin, jointly=replace(margin.jointly, known=ends))
-        return replace(margin, factor=(margin.factor[0], _factor(top.limits, at_top)))
+        return replace(margin, factor=(margin.factor[0], _factor(top, at_top)))
 
     def _reaching(self, question: Question) -> Margin:
         """Return it with what reaches a limit, of what may be; less what is filled."""
@@ -432,17 +429,10 @@ def _factor(held: Limited, judged: Judged) -> Array:
     return np.where(judged.factor > 0.0, judged.factor, usual)
 
 
-def _jointly(
-    margin: Margin,
-    whole: Limited,
-    found: Propagation,
-    law: Propagation,
-    judged: Judged,
-) -> Jointly:
+def _jointly(margin: Margin, whole: Limited, judged: Judged) -> Jointly:
     """Return what limits to be kept together have room for: `whole` is with `parts`."""
-    of = components_of(margin.held.rows, margin.held.limits, law)
-    of_whole = components_of(whole.rows, whole.limits, found)
-    parts = of_whole.scaled(covariance_by_source(whole.problem, found)[:-1])
+    of, of_whole = components_of(margin.held), components_of(whole)
+    parts = of_whole.scaled(covariance_by_source(whole.problem, whole.law)[:-1])
     given = np.zeros(len(parts))
     for name in margin.filled:
         given[list(margin.groups[name])] = 1.0
@@ -455,23 +445,23 @@ def _jointly(
     )
 
 
-def _parts(held: Limited, law: Propagation, *, whole: bool = False) -> Array:
+def _parts(held: Limited, *, whole: bool = False) -> Array:
     """Return the covariance that each group makes, as Margin has it.
 
     Of the `whole` law in one.
     """
-    n = law.value.size - law.legs.shape[1]
+    law, lengths = held.law, held.lengths
     variance = np.diag(law.covariance)[None] if whole else law.source_variance
     found = np.zeros((len(variance), held.rows.size, 2, 2))
     found[:, :, 0, 0] = variance[:, held.rows]
-    if (held.rows >= n).any():
+    if (lengths >= 0).any():
         each = (
-            law.covariance[None, :n, :n]
+            law.covariance[None]
             if whole
             else covariance_by_source(held.problem, law)[:-1]
         )
-        for j in np.flatnonzero(held.rows >= n):
-            legs = law.legs[:, held.rows[j] - n]
+        for j in np.flatnonzero(lengths >= 0):
+            legs = law.legs[:, lengths[j]]
             found[:, j] = each[:, legs[:, None], legs[None, :]]
     return found
 
@@ -516,4 +506,4 @@ def _of_test(question: Question, name: Name, size: float) -> Array:
     own = alone.limits
     there = temperatures_of_test(question)
     rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
-    return np.asarray(_parts(own, alone.law)[rows].sum(axis=0, keepdims=True))
+    return np.asarray(_parts(own)[rows].sum(axis=0, keepdims=True))

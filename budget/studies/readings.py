@@ -102,7 +102,7 @@ def verdicts_by_reading(
         judged = None if place else taken
         if judged is None:
             look = screen if by_law else judge
-            judged = look(held, read.law, seed=seed)
+            judged = look(held, seed=seed)
         found.append(
             ReadingVerdict(
                 words=choice,

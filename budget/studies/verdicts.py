@@ -68,11 +68,11 @@ def verdict_on(
     readings : ReadingVerdicts, optional
         Verdicts under other readings of lines whose meaning is open.
     """
-    held, law = question.limits, question.law
+    held = question.limits
     prediction, missing = question.filled.prediction, question.missing
     doubt = None
     if prediction is not None and not missing and not held.absent:
-        doubt = doubt_of(prediction, held, law, judged)
+        doubt = doubt_of(prediction, held, judged)
     found = replace(unjudged(question), doubt=doubt, readings=readings)
     found = _within_first_order(question, _decided(question, judged, found, seed=seed))
     outputs = assess_outputs(question, judged, found)
@@ -84,7 +84,7 @@ def verdict_on(
         utilisation=Known(judged.utilisation, high=inf if is_bound else None, why=why),
         utilisation_interval=judged.utilisation_interval,
         worst_outputs=tuple(held.outputs[k].name for k in judged.all_worst),
-        remedy=find_remedy(held, law, judged),
+        remedy=find_remedy(held, judged),
         conformance=judged.conformance,
         at_medians=prediction is not None,
         trials=judged.trials,
@@ -98,7 +98,7 @@ def stand(question: Question, *, seed: int) -> Verdict | None:
     """Judge a question, by few trials where they are needed; None: it has no limit."""
     if question.held is None:
         return None
-    judged = judge(question.held, question.law, seed=seed, max_trials=TRIALS)
+    judged = judge(question.held, seed=seed, max_trials=TRIALS)
     return verdict_on(question, judged, seed=seed)
 
 
@@ -129,10 +129,7 @@ def _of_aids(question: Question) -> Iterator[Condition]:
         yield Condition(kind="aided", line=Name(AIDING), text=text)
     if mission.filter is not None and question.only is None:
         journey = journey_of(mission, times, question.sensors, question.procedure)
-        errors = believed(
-            journey, outputs, question.law.standard_uncertainty[held.rows]
-        )
-        for said in overconfident(errors):
+        for said in overconfident(believed(journey, outputs, held.u)):
             yield Condition(kind="filter", line=Name(AIDING), text=said)
 
 

@@ -335,7 +335,7 @@ def _assure(
         found = case.found
         if found.held is None:
             break
-        judged = judge(found.held, found.law, seed=seed)
+        judged = judge(found.held, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
