@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from math import fsum, pi, sqrt
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from budget.inputs.records import (
     Sensor,
     UnusedValue,
 )
+from budget.known import Known
 from budget.language import note
 from budget.names import Name, key_title, parameters_of
 from budget.problem import Output
@@ -161,7 +163,7 @@ def make_output(
             resolution=resolution,
         ),
         mean=mean * scale,
-        standard_uncertainty=u * scale,
+        standard_uncertainty=Known(u * scale),
         interval=(
             (mean - (1.96 - skew) * u) * scale,
             (mean + (1.96 + skew) * u) * scale,
@@ -171,7 +173,7 @@ def make_output(
                 source=INTERACTION
                 if name == "interaction"
                 else Name(name, owner=sensor),
-                standard_uncertainty=u_source * scale,
+                standard_uncertainty=Known(u_source * scale),
                 share=u_source**2 / variance if variance > 0.0 else 0.0,
             )
             for name, u_source in sources.items()
@@ -250,7 +252,7 @@ def make_budget(**changes):
         settings=SETTINGS,
         outputs=outputs,
         covariance=np.diag([row.standard_uncertainty**2 for row in outputs]),
-        not_given=tuple(COULD_WIDEN),
+        question=SimpleNamespace(not_given=tuple(COULD_WIDEN)),
         assumptions=(
             "gyro.bias_stability: the correlation time of 300 s is the file's own",
             "gravity at latitude 34.2394 deg is normal gravity, 9.7966933 m/s^2",
@@ -588,7 +590,7 @@ def make_density(limit=0.1, mean=0.0):
         edges=edges * DEG_PER_HOUR,
         density=density / DEG_PER_HOUR,
         mean=mean * DEG_PER_HOUR,
-        u=u * DEG_PER_HOUR,
+        u=Known(u * DEG_PER_HOUR),
         interval=(ends[0] * DEG_PER_HOUR, ends[1] * DEG_PER_HOUR),
         interval_mc=(ends[0] * DEG_PER_HOUR, ends[1] * DEG_PER_HOUR),
         limit=None if limit is None else limit * DEG_PER_HOUR,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+from types import SimpleNamespace
 
 import pytest
 from reading import assert_says
@@ -169,7 +170,12 @@ def test_what_it_rests_on_is_printed():
 
 def test_empty_lists_are_said_to_be_empty():
     """Nothing missing and nothing assumed is said, not left to be guessed."""
-    budget = make_budget(not_given=(), could_widen={}, assumptions=(), warnings=())
+    budget = make_budget(
+        question=SimpleNamespace(not_given=()),
+        could_widen={},
+        assumptions=(),
+        warnings=(),
+    )
     text = render(budget)
 
     assert "Not given: none\n" in text

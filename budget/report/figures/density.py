@@ -48,7 +48,7 @@ def density_plot(density: ErrorDensity, *, coverage: float) -> Plot:
 
     def marked(x: float, *, is_mean: bool = False, is_end: bool = False) -> Number:
         """Round a mean, a lower end or another number; what lines not given move."""
-        known = Known.of(x, () if is_mean else density.lacks)
+        known = Known(x) if is_mean else density.u.like(x)
         return round_error(known.falling if is_end else known, density.u, output)
 
     said, table = figure(

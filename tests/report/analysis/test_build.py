@@ -6,6 +6,7 @@ import json
 import re
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import pytest
 from numpy.testing import assert_allclose
@@ -49,7 +50,7 @@ TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
-NO_GAPS: dict = {"not_given": (), "could_widen": {}}
+NO_GAPS: dict = {"question": SimpleNamespace(not_given=()), "could_widen": {}}
 
 
 @cache

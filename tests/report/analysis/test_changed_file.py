@@ -48,8 +48,8 @@ TRIALS = 10_000  # a tenth of what a report takes: those of both files are the s
 def few_trials(monkeypatch):
     """Judge the device and its file with the same trials, but fewer."""
 
-    def judge(held, law, *, seed, **_):
-        return judge_with(held, law, seed=seed, trials=TRIALS)
+    def judge(held, *, seed, **_):
+        return judge_with(held, seed=seed, trials=TRIALS)
 
     for module in (conformity, readings):
         monkeypatch.setattr(module, "judge", judge)

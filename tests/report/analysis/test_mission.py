@@ -28,6 +28,7 @@ from budget.inputs import (
     uncalibrated,
 )
 from budget.inputs.use import in_use
+from budget.known import Known
 from budget.language import speaking
 from budget.names import Name, time_text
 from budget.question import Question
@@ -337,7 +338,9 @@ def test_a_column_has_one_unit(sizes):
     last = max(row.output.name.time for row in carried().outputs)
     rows = [
         replace(
-            row, standard_uncertainty=sizes[row.output.name.time == last], radii=None
+            row,
+            standard_uncertainty=Known(sizes[row.output.name.time == last]),
+            radii=None,
         )
         if row.parameter == "position"
         else row
@@ -353,7 +356,7 @@ def test_heading_has_a_unit_of_its_own():
     """Roll and pitch stand in arcsec beside a heading that is off by degrees."""
     angles = {"roll": 14.0 * ARCSEC, "pitch": 13.0 * ARCSEC, "heading": 1.4 * DEGREE}
     rows = [
-        replace(row, standard_uncertainty=angles[row.axis])
+        replace(row, standard_uncertainty=Known(angles[row.axis]))
         if row.parameter == "attitude"
         else row
         for row in carried().outputs

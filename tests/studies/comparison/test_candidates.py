@@ -47,9 +47,9 @@ def test_remedy_brings_the_worst_output_to_its_limit():
     asked = Question.of(bad, procedure=procedure(), requirement=requirement())
     one, law = asked.held, asked.law
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
-    judged = screen(one, law, seed=0)
+    judged = screen(one, seed=0)
     worst = judged.worst
-    remedy = find_remedy(one, law, judged)
+    remedy = find_remedy(one, judged)
     mended = replace(
         bad.gyro,
         lines=tuple(
