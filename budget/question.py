@@ -85,7 +85,14 @@ from budget.settings import Asked, Inputs, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+    from collections.abc import (
+        Callable,
+        Container,
+        Hashable,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
 
     from numpy.typing import NDArray
 
@@ -311,6 +318,46 @@ class Question:
             missing=asked.missing,
             catalogue=inputs.catalogue,
         )
+
+    @classmethod
+    def each(
+        cls,
+        devices: Sequence[Device],
+        procedures: Sequence[Procedure],
+        *,
+        requirement: Requirement,
+        mission: Mission | None = None,
+        missing: str = REFUSE,
+        catalogue: Sequence[Device] | None = None,
+    ) -> Iterator[tuple[int, Question]]:
+        """Put together each device after each procedure, one at a time.
+
+        Of each owner of limits alone: a triad, what belongs to both, the mission; with
+        the place of the device among those given.
+
+        Raises
+        ------
+        CallError
+            With limits that nothing can be said of, before the first.
+        """
+        for how in procedures:
+            refuse_unjudged(requirement, mission, how)
+        for how in (in_use(one, requirement, mission) for one in procedures):
+            for place, device in enumerate(devices):
+                kinds = [sensor.kind for sensor in device.sensors]
+                on = [None] * any(calibrates(kind, how) for kind in kinds)
+                is_whole = len(kinds) == len(SENSORS)
+                for journey in (*on, mission) if mission and is_whole else on:
+                    one = cls.of(
+                        device,
+                        procedure=how,
+                        requirement=requirement,
+                        mission=journey,
+                        carried_to=None if journey is None else (),
+                        missing=missing,
+                        catalogue=catalogue,
+                    )
+                    yield from ((place, one.alone(owner)) for owner in one.limited)
 
     def whole(self) -> Self:
         """Return it, where every limit can be judged.

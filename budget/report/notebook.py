@@ -28,7 +28,7 @@ from budget.report.analysis.build import report_document
 from budget.report.analysis.mission import way_with_errors
 from budget.report.analysis.verdict import headline
 from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
-from budget.report.comparison.document import to_csv as comparison_csv
+from budget.report.comparison.tables import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
 from budget.report.figures.allan import Allan, allan_plot

@@ -42,11 +42,11 @@ def test_the_choice_is_what_compare_ranks_first(at_the_edge):
     found = compare(DEVICES, EDGE, method="gum")
     (purchase,) = at_the_edge.purchases
 
-    assert purchase.chosen.name == found.ranked_imus[0][0].gyro == "HG4930 (C)"
+    assert purchase.chosen.name == found.imus[0].name == "HG4930 (C)"
     assert {one.name: one.verdict for one in purchase.best} == {
-        pair.gyro: pair.verdict for pair, _ in found.ranked_imus
+        pair.name: pair.verdict for pair in found.imus
     }
-    assert purchase.chosen.utilisation == found.ranked_imus[0][0].utilisation
+    assert purchase.chosen.utilisation == found.imus[0].utilisation
     assert at_the_edge.is_met
 
 

@@ -9,7 +9,6 @@ from math import fsum
 from typing import TYPE_CHECKING, Any
 
 from budget.language import key_title
-from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
 from budget.names import IMU, LENGTHS
 from budget.report.figures.rows import (
@@ -27,7 +26,6 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import (
     BLUE,
-    HATCH,
     INK,
     ON_DARK,
     OTHER,
@@ -162,11 +160,7 @@ def _stacked(
     """
     said, table = figure(PAGE, macro, bars=bars, title=title, **view or {})
 
-    def look(source: Name) -> tuple[str, str, str]:
-        colour, hatch, ink = look_of(source)
-        of_second = is_both and source.owner == ACCELEROMETER
-        return (colour, hatch or HATCH, "") if of_second else (colour, hatch, ink)
-
+    look = partial(look_of, is_both=is_both)
     rows = []
     for (name_of, bar), (_, own) in zip(bars, entries(table), strict=True):
         ends = accumulate((100.0 * share for _, share in bar), initial=0.0)

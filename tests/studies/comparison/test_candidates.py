@@ -206,10 +206,10 @@ def test_pairs_are_counted_together():
     assert len(found.pairs) == 4
     alone = compared(devices, requirement(sensors=both), method="gum")
     assert alone.pairs == ()
-    own = {one for one in found.pairs if one.gyro == one.accelerometer}
+    own = {one for one in found.pairs if one.name == one.accelerometer}
     assert {replace(one, ahead=None) for one in alone.imus} == own
     for pair in found.pairs:
-        g = by_name(found, pair.gyro)
+        g = by_name(found, pair.name)
         a = by_name(found, pair.accelerometer, "accelerometer")
         p, q = g.conformance.value, a.conformance.value
         error = sqrt(p * q * (1.0 - p * q) / 16_384)  # own sources: the product
@@ -399,7 +399,7 @@ def test_imus_are_ranked_as_one_device():
     gap = paper_device("gap", times=0.1, missing=("bias_repeatability",), **both)
     found = compared([uneven, gap, even, twin], requirement(times=2.0, **both))
 
-    names = [(pair.gyro, rank) for pair, rank in found.ranked_imus]
+    names = [(pair.name, pair.printed_rank) for pair in found.imus]
     assert names == [("even", "1="), ("twin", "1="), ("uneven", "3"), ("gap", "")]
     assert next(one.name for one in found.devices if one.sensor == "gyro") == "uneven"
     pair = found.imus[2]

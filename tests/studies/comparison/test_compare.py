@@ -310,8 +310,9 @@ def test_more_devices_move_no_number():
     assert alone.conformance == among.conformance
 
 
-def test_a_comparison_keeps_no_problem():
-    """At no time is there more than one Problem: of thousands all would stand."""
+def test_a_comparison_keeps_no_problem(monkeypatch):
+    """Of chunks that are judged no Problem is left: of thousands all would stand."""
+    monkeypatch.setattr("budget.studies.comparison.judging.CHUNK", 1)
     found = []
 
     def count(*_):
