@@ -420,6 +420,12 @@ def screen(held: Limited, *, seed: int) -> Judged:
     )
 
 
+def screened(held: Limited, *, seed: int, max_trials: int = MAX_TRIALS) -> Judged:
+    """Judge by the law where it is sure, by trials where it is not; as `judge`."""
+    judged = screen(held, seed=seed)
+    return judge(held, seed=seed, max_trials=max_trials) if judged.is_open else judged
+
+
 def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
     """Whether more trials can make surer what reaches above a utilisation.
 

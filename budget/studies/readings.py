@@ -20,7 +20,7 @@ from budget.inputs.specification import SIDES
 from budget.model.estimators import estimator_of
 from budget.names import Name
 from budget.results import ReadingEffect, ReadingVerdict, ReadingVerdicts
-from budget.studies.judgement import judge, screen
+from budget.studies.judgement import judge, screened
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def verdicts_by_reading(
             return None
         judged = None if place else taken
         if judged is None:
-            look = screen if by_law else judge
+            look = screened if by_law else judge
             judged = look(held, seed=seed)
         found.append(
             ReadingVerdict(

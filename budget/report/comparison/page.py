@@ -137,6 +137,7 @@ def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
         "compared": len({one.place for one in comparison.entrants}),
         "deciding": beside["deciding"],
         "qualifying": beside["cautions"],
+        "elsewhere": _elsewhere(comparison, beside["cautions"]),
         "over_caps": _over_caps(comparison),
         "unknown_caps": list(_unknown_caps(comparison)),
         "reference": error_reference(comparison.settings),
@@ -227,6 +228,15 @@ def _beside(
         )
         for macro in ("deciding", "cautions")
     }
+
+
+def _elsewhere(
+    comparison: Comparison, shown: Iterable[tuple[Any, list[str]]]
+) -> list[str]:
+    """Return the devices with cautions that are not among those shown."""
+    named = {name for _, names in shown for name in names}
+    own = (one.name for one in comparison.entrants if one.cautions)
+    return [name for name in dict.fromkeys(own) if name not in named]
 
 
 def _over_caps(comparison: Comparison) -> list[tuple[Any, list[str]]]:

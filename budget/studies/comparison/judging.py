@@ -25,7 +25,7 @@ from budget.studies.judgement import (
     can_sharpen,
     judge,
     judge_with,
-    screen,
+    screened,
 )
 from budget.studies.readings import verdicts_by_reading
 from budget.studies.verdicts import FAILS, unjudged, verdict_on
@@ -130,11 +130,10 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
     prediction = one.filled.prediction
     trials, most = asked.trials or TRIALS, asked.max_trials or MAX_TRIALS
     doubtful: tuple[str, ...] = ()
+    last = trials if prediction else most  # what is missing no trial decides
     if by_law(asked):
-        judged = screen(held, seed=seed)
+        judged = screened(held, seed=seed, max_trials=last)
     else:
-        # What missing lines leave open, no trial decides.
-        last = trials if prediction else most
         judged = judge(held, seed=seed, trials=trials, max_trials=last)
     if asked.validate:
         checks = validate(
@@ -153,15 +152,14 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
             one, seed=seed, by_law=by_law(asked), taken=judged if is_usual else None
         )
     verdict = verdict_on(one, judged, seed=seed, readings=readings)
-    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
     # Trials make no difference to what missing lines leave open.
     is_open = verdict.doubt is None and judged.trials is None
-    is_open = is_open and (is_near or judged.is_open)
+    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
     found = entrant_of(one, verdict, place)
     one.let_go()
     return replace(
         found,
-        advice=sentence("comparisons.advice", is_near=is_near) if is_open else "",
+        advice=sentence("comparisons.advice") if is_open and is_near else "",
         at_medians=found.missing is not None and prediction is not None,
         judged=judged,
         closer=judged,
