@@ -181,7 +181,8 @@ class Limited:
     @property
     def lengths(self) -> NDArray[np.intp]:
         """Places among the lengths of the Problem; below 0 of what is none."""
-        return self.rows - (self.law.value.size - self.law.legs.shape[1])
+        first = self.law.value.size - self.law.legs.shape[1]
+        return np.asarray(self.rows - first)
 
     @property
     def every_coverage(self) -> Array:

@@ -102,7 +102,11 @@ def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, 
 
 def lacking(budget: Budget) -> list[Name]:
     """Return the specifications not given without which numbers are bounds."""
-    return list(dict.fromkeys(name for row in budget.outputs for name in row.lacks))
+    return list(
+        dict.fromkeys(
+            name for row in budget.outputs for name in row.standard_uncertainty.why
+        )
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

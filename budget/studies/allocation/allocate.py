@@ -457,10 +457,10 @@ def _warnings(
             )
         if case.by_law is not None:
             texts.append(sentence("allocations.by_trials", sensor=kind))
-        missing = [
+        lacking = [
             name for one in case.question.sensors for name in one.expected_missing
         ]
-        if new := [name for name in missing if name not in said]:
+        if new := [name for name in lacking if name not in said]:
             said.update(new)
             texts.append(sentence("allocations.missing", lines=new))
     return tuple(texts)
