@@ -54,7 +54,7 @@ from budget.inputs import (
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import JOINT, UNCALIBRATED, Device
 from budget.inputs.use import in_use
-from budget.methods.gum import propagate
+from budget.methods.gum import propagate, propagate_together
 from budget.missing import REFUSE, Filling, fill_all
 from budget.missing.expected import (
     expecting,
@@ -725,6 +725,14 @@ def _told(line: ErrorLine) -> tuple[Hashable, ...]:
         line.u.tobytes(),
         None if times is None else times.tobytes(),
     )
+
+
+def laws_together(questions: Sequence[Question]) -> None:
+    """Make the laws of several questions, those of one structure at once."""
+    open_ones = [one for one in questions if "law" not in vars(one)]
+    laws = propagate_together([one.problem for one in open_ones])
+    for one, law in zip(open_ones, laws, strict=True):
+        vars(one)["law"] = law  # as if each had been asked for it
 
 
 def question_of(budget: Budget) -> Question:

@@ -25,3 +25,9 @@ def nodes_of(path):
     finally:
         if was_enabled:
             gc.enable()
+
+
+def put(path, text):
+    """Write a file of text, and return its path."""
+    path.write_text(text, encoding="utf-8")
+    return path

@@ -131,8 +131,7 @@ def test_page_needs_nothing_else_and_has_the_figures(tmp_path):
 def test_bad_calls_are_refused_before_work(tmp_path, monkeypatch, options, message):
     """A call that cannot be meant is exit 2 with a reason, and nothing is written."""
     monkeypatch.chdir(tmp_path)
-    run = call("paper", *options)
-    assert run.code == 2
+    run = call("paper", *options, code=2)
     assert message in run.err
     assert not list(tmp_path.iterdir())
 

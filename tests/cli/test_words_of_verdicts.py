@@ -344,8 +344,7 @@ def test_a_range_that_is_a_text_is_set_beside_that_of_the_other_triad(write):
 )
 def test_a_range_that_is_none_is_refused_with_what_is_meant(files, change, found):
     """As a file would be; without a sensor the two that have one are named."""
-    run = call("analyze", files["sheet"], "--set", change)
-    assert run.code == 2
+    run = call("analyze", files["sheet"], "--set", change, code=2)
     assert_says(run.err, found)
 
 
@@ -418,8 +417,7 @@ def test_what_is_not_judged_is_not_signed(write):
     ]
     how = ("compare", *sheets, "--method", "gum", "--pairs", "--requirement")
     assert call(*how, write("need", need)).code == 0
-    run = call(*how, write("both", f"{need}  misalignment: 900 arcsec\n"))
-    assert run.code == 1
+    run = call(*how, write("both", f"{need}  misalignment: 900 arcsec\n"), code=1)
     assert_says(run.out, "not judged")
 
 

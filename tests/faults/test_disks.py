@@ -22,6 +22,7 @@ from failing import (
     said,
 )
 from forked import ASKED, keep_computed
+from places import put
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems"),
@@ -130,8 +131,7 @@ def test_a_user_without_rights(tmp_path):
     powerless = ["capsh", drop, "--", "-c", 'exec "$@"', "bash"]
     folder = tmp_path / "another's"
     folder.mkdir()
-    secret = folder / "secret.yaml"
-    secret.write_text(FOREIGN, encoding="utf-8")
+    secret = put(folder / "secret.yaml", FOREIGN)
     secret.chmod(0o600)
     try:
         for path in (secret, folder):

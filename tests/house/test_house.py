@@ -335,7 +335,7 @@ def test_a_command_loads_what_it_needs_alone(words, spared):
 
 
 def test_a_worker_loads_nothing_that_reads_files():
-    """What a worker unpickles of a calibration needs no pydantic and no YAML."""
+    """What a worker unpickles of a calibration needs no YAML."""
     loaded = loaded_by(
         "import budget.methods.monte_carlo, budget.methods.sobol",
         "import budget.calibration.problem, budget.inputs.records",

@@ -9,7 +9,7 @@ from inspect import getsource
 import pytest
 from failing import run, run_here, run_warm
 from matplotlib import rc_params_from_file, rcParamsDefault
-from places import SHIPPED
+from places import SHIPPED, put
 
 from budget.report.figures.tabled import Plot
 
@@ -108,8 +108,7 @@ def test_no_setting_of_the_drawing_library_ends_a_report(tmp_path, clean):
 
 def test_every_line_of_the_hostile_file_is_one_that_the_library_obeys(tmp_path):
     """The control: each is read, and is not what the library would do without."""
-    file = tmp_path / "matplotlibrc"
-    file.write_text(HOSTILE, encoding="utf-8")
+    file = put(tmp_path / "matplotlibrc", HOSTILE)
     read = rc_params_from_file(file, use_default_template=False)
     assert len(read) == len(HOSTILE.splitlines())
     for name, value in read.items():

@@ -7,6 +7,7 @@ from math import sqrt
 import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.inputs import load_device
 from budget.model.sources import FLICKER
@@ -36,8 +37,7 @@ gyro:
 @pytest.fixture(scope="module")
 def device(tmp_path_factory):
     """Return a gyro whose noise differs by axis, and several shapes."""
-    path = tmp_path_factory.mktemp("device") / "axes.yaml"
-    path.write_text(DEVICE)
+    path = put(tmp_path_factory.mktemp("device") / "axes.yaml", DEVICE)
     return load_device(path)
 
 

@@ -18,6 +18,7 @@ from builders import (
     requirement,
 )
 from numpy.testing import assert_allclose, assert_array_equal
+from places import put
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
@@ -509,12 +510,11 @@ def test_compare_and_analyze_say_the_same(made):
 @pytest.fixture
 def hard_bound(tmp_path):
     """Return the file of a gyro of which nothing but a bound of its bias is known."""
-    file = tmp_path / "bound.yaml"
-    file.write_text(
+    return put(
+        tmp_path / "bound.yaml",
         "name: bound\ngyro:\n  errors:\n"
-        "    bias_repeatability: {value: 1.75 deg/h, meaning: max}\n"
+        "    bias_repeatability: {value: 1.75 deg/h, meaning: max}\n",
     )
-    return file
 
 
 def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
@@ -522,10 +522,10 @@ def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
 
     The law says 1.98, which is beyond the bound itself.
     """
-    file = tmp_path / "r.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "r.yaml",
         "name: r\ncoverage: 95 %\nreference: nominal\n"
-        "limits: {gyro: {bias: 2.4 deg/h}}\n"
+        "limits: {gyro: {bias: 2.4 deg/h}}\n",
     )
     budgets = [
         analyze(hard_bound),

@@ -137,7 +137,6 @@ class Chart:
     has_data: bool = True  # whether that is shown: not where one beside it has the same
     numbers: Table | None = None  # what is shown in its place
     caption: str = ""
-    after: str = ""  # a sentence that ends the caption
     heads: tuple[Head, ...] = ()  # words above the first panel
     # Heads of the columns of texts on the right; '' for none.
     beside: tuple[str, ...] = ()
@@ -243,7 +242,7 @@ def chart_picture(chart: Chart) -> Picture:
         title=chart.title,
         alt=chart.alt,
         tips=chart.tips,
-        caption=f"{chart.caption} {chart.after}".strip(),
+        caption=chart.caption,
         data=chart.data,
         narrow=draw(chart.narrow or replace(chart, width=WIDTH))
         if chart.width > WIDTH

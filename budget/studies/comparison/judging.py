@@ -14,6 +14,7 @@ from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
 from budget.missing import REFUSE, shipped_devices
 from budget.missing.prediction import prepare
+from budget.question import laws_together
 from budget.sentences import sentence
 from budget.studies.comparison.records import Entrant, Lead, MissingLines, UnknownCap
 from budget.studies.figures_of_merit import MERITS, is_within, over_cap
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 
 Task = tuple[int, "Question"]  # place of the device among those compared, what is asked
 
-CHUNK = 64  # candidates that are judged by the law at once
+CHUNK = 256  # candidates that are judged by the law at once
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
@@ -114,8 +115,11 @@ def judge_chunk(tasks: Sequence[Task], *, asked: Asked) -> list[Entrant]:
     """Judge some candidates; what they share is made at once."""
     devices = dict.fromkeys(device for _, one in tasks for device in one.devices)
     prepare(devices, tasks[0][1].catalogue or shipped_devices())
-    # Of thousands no Problem is kept.
-    return [_judge(replace(one), place, asked) for place, one in tasks]
+    own = [replace(one) for _, one in tasks]  # of thousands no Problem is kept
+    laws_together([one for one in own if one.has_lines])
+    return [
+        _judge(one, place, asked) for one, (place, _) in zip(own, tasks, strict=True)
+    ]
 
 
 def _judge(one: Question, place: int, asked: Asked) -> Entrant:

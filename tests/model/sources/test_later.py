@@ -18,6 +18,7 @@ from builders import (
     triads,
 )
 from numpy.testing import assert_allclose
+from places import put
 from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
@@ -121,9 +122,7 @@ def test_pulses_show_the_same_ageing(monkeypatch):
 
 def write(tmp_path, repeatability="20 ug", ageing="{value: 300 ug, horizon: 1 year}"):
     """Write a device with these two lines."""
-    path = tmp_path / "aged.yaml"
-    path.write_text(DEVICE.format(repeatability, ageing), encoding="utf-8")
-    return path
+    return put(tmp_path / "aged.yaml", DEVICE.format(repeatability, ageing))
 
 
 def test_a_file_says_how_it_ages(tmp_path):

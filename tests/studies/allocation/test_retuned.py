@@ -200,8 +200,8 @@ def test_the_written_device_meets_on_the_command_line(tmp_path):
     run = call(
         *("allocate", str(DATA / "tac.yaml"), "--requirement", str(wanted), *same),
         *("--write", str(written)),
+        code=1,
     )
-    assert run.code == 1  # a line is not given
     assert_says(run.out + run.err, "the filter of the mission is retuned")
     # A file has four or five digits of a value, rounded towards what meets.
     assert 7.0 * (1.0 - 2e-4) < circle(load_device(written), "g1") <= 7.0
