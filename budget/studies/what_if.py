@@ -400,7 +400,7 @@ class WhatIf(Documented):
 def _verdict(sensor: WhatIfSensor, used: float, at_top: float) -> str:
     """Return the verdict at a utilisation, and at one with missing lines at their top.
 
-    It is as in budget.studies.verdicts.decide.
+    It is as in budget.studies.verdicts.
     """
     low, high = (settle(part * used) for part in sensor.doubt)
     given = FAILS if settle(used) > 1.0 else MEETS
