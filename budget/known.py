@@ -97,6 +97,14 @@ class Known(float):
         return Known(self, 2.0 * self - self.high, 2.0 * self - self.low, self.why)
 
     @property
+    def order(self) -> tuple[float, bool]:
+        """What it ranks by where less is better.
+
+        Of three equal digits a bound comes after a full value.
+        """
+        return float(f"{settle(self):.2e}"), self.is_bound
+
+    @property
     def is_bound(self) -> bool:
         """Whether it is this or more, or this or less."""
         return self.high == inf or self.low == -inf

@@ -11,7 +11,7 @@ The way from a data sheet to a page:
   `under`, `in_use`, `with_lines` are the same Question otherwise, each made once.
 - `studies` are functions of a Question: `analyze_as` to a Budget, of which
   `conformity.assess` judges each owner of limits (`judgement.judge` by trials,
-  `verdicts.decide` by what is not given); `allocate_as`, `compare`, `qualify`.
+  `verdicts.verdict_on` by what is not given); `allocate_as`, `compare`, `qualify`.
 - What they return writes its own documents (`documents`), and `report` its pages, by
   templates.
 """
@@ -181,7 +181,8 @@ class Limited:
     @property
     def lengths(self) -> NDArray[np.intp]:
         """Places among the lengths of the Problem; below 0 of what is none."""
-        return self.rows - (self.law.value.size - self.law.legs.shape[1])
+        first = self.law.value.size - self.law.legs.shape[1]
+        return np.asarray(self.rows - first)
 
     @property
     def every_coverage(self) -> Array:

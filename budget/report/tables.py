@@ -235,14 +235,16 @@ def print_gaps(rows: Sequence[OutputBudget], most: int = 0) -> str:
     With `most` the first of them, and how many more.
     """
     lacks = dict.fromkeys(
-        source_title(one, of=row.sensor) for row in rows for one in row.lacks
+        source_title(one, of=row.sensor)
+        for row in rows
+        for one in row.standard_uncertainty.why
     )
     if not lacks:
         return ""
     names = [*lacks]
     if most and len(names) > most + 1:
         names = [*names[:most], say("{more} more", more=len(names) - most)]
-    unknown = any(row.is_unknown for row in rows)
+    unknown = any(row.standard_uncertainty.is_unknown for row in rows)
     return sentence("analysis/shares.gaps", lacks=names, is_unknown=unknown).said()
 
 
@@ -655,7 +657,7 @@ def output_row(row: OutputBudget) -> OutputRow:
 
 def _coverage_factor(row: OutputBudget) -> Number | None:
     """Return k of one output, JCGM 100:2008, 6.3."""
-    if row.coverage_factor is None or row.is_unknown:
+    if row.coverage_factor is None or row.standard_uncertainty.is_unknown:
         return None
     k = row.coverage_factor
     return Number(text=print_given(k), exact=k)

@@ -238,8 +238,10 @@ def u_known(output: Output, u: float, lacks: tuple[Name, ...]) -> Known:
     largest_error / unit: larger absolute end of the interval
     utilisation [1]: largest error over limit
     conformance [1]: probability that the error is within the limit
-    lower_bound: whether a line that is not given would widen it
-    nothing_known = is_unknown: whether no line that is given reaches it besides
+    lower_bound = standard_uncertainty.is_bound: whether a line that is not given would
+      widen it
+    nothing_known = standard_uncertainty.is_unknown: whether no line that is given
+      reaches it besides
     """,
     said="One required output against its limit.",
 )
@@ -263,21 +265,6 @@ class JudgedOutput(LimitedOutput):
     def is_resolved(self) -> bool:
         """Whether the spread is more than the rounding of the computation."""
         return self.standard_uncertainty > self.output.resolution
-
-    @property
-    def lacks(self) -> tuple[Name, ...]:
-        """Expected lines, not given, that would widen it."""
-        return self.standard_uncertainty.why
-
-    @property
-    def lower_bound(self) -> bool:
-        """Whether its sizes are this or more: a line that reaches it lacks."""
-        return self.standard_uncertainty.is_bound
-
-    @property
-    def is_unknown(self) -> bool:
-        """Whether nothing is known of it: no given line reaches it, one lacks."""
-        return self.standard_uncertainty.is_unknown
 
     @property
     def largest_error(self) -> Known:
@@ -307,10 +294,11 @@ def worst_of(rows: Sequence[JudgedOutput]) -> JudgedOutput:
     resolution = output.resolution / unit: a spread at or below this is rounding
     mean / unit: expected error
     standard_uncertainty / unit
-    lower_bound: whether the uncertainty is this or more, as a line that reaches it
-      lacks
-    nothing_known = is_unknown: whether no given line reaches it, and one lacks
-    lacks: expected lines, not given, that would widen it
+    lower_bound = standard_uncertainty.is_bound: whether the uncertainty is this or
+      more, as a line that reaches it lacks
+    nothing_known = standard_uncertainty.is_unknown: whether no given line reaches it,
+      and one lacks
+    lacks = standard_uncertainty.why: expected lines, not given, that would widen it
     interval / unit: coverage interval
     interval_by: what it is of, 'law', 'monte-carlo', 'simulation', 'prediction'
     coverage? [1]: of the interval; where none stands here it is that of the settings
@@ -365,7 +353,7 @@ class OutputBudget(Shown, JudgedOutput):
         return InUnit(
             unit=unit or self.output.unit,
             mean=self.mean / scale,
-            standard_uncertainty=self.standard_uncertainty / scale,
+            standard_uncertainty=float(self.standard_uncertainty) / scale,
             interval=(low / scale, high / scale),
         )
 

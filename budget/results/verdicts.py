@@ -357,7 +357,8 @@ class Assessment(Documented):
         return tuple(
             row
             for row in self.outputs
-            if row.output.name.owner not in unknown and not row.is_unknown
+            if row.output.name.owner not in unknown
+            and not row.standard_uncertainty.is_unknown
         )
 
     def outcome(self, row: JudgedOutput) -> str:
@@ -380,5 +381,7 @@ class Assessment(Documented):
         return tuple(
             row
             for row in self.outputs
-            if row.lower_bound and row.is_within and row.output.name.owner in waits
+            if row.standard_uncertainty.is_bound
+            and row.is_within
+            and row.output.name.owner in waits
         )

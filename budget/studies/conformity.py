@@ -13,7 +13,7 @@ from budget.inputs.records import JOINT
 from budget.question import question_of
 from budget.results import Assessment, CapAssessment
 from budget.studies.ceilings import ceilings_of
-from budget.studies.figures_of_merit import over_cap, read_amount
+from budget.studies.figures_of_merit import is_within
 from budget.studies.judgement import (
     MAX_TRIALS,
     TRIALS,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from budget.inputs.records import Device, Requirement
     from budget.names import Name
     from budget.question import Question
-    from budget.results import Budget, ReadingVerdicts, Verdict
+    from budget.results import Budget, Verdict
     from budget.studies.judgement import Judged
 
 AS_PRINTED = 1.05  # times u that is the same to half a digit of the two printed [1]
@@ -116,7 +116,7 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
                 own,
                 judged,
                 seed=seed,
-                readings=_readings(own, judged, seed),
+                readings=verdicts_by_reading(own, seed=seed, taken=judged),
             )
         )
     if not verdicts:
@@ -196,26 +196,13 @@ def open_to(
     }
 
 
-def _readings(own: Question, judged: Judged, seed: int) -> ReadingVerdicts | None:
-    """Judge one triad under its readings; what belongs to both is not.
-
-    Neither is what rests on predicted lines, whose verdict is a probability.
-    """
-    is_one = len(own.sensors) == 1 and own.only is None
-    if not is_one or own.requirement is None or own.filling.prediction is not None:
-        return None
-    return verdicts_by_reading(own, seed=seed, taken=judged)
-
-
 def _cap(device: Device, merit: str, cap: str) -> CapAssessment:
     """Hold what a device costs, weighs or draws against a cap."""
     given = str(getattr(device, merit))
-    have, most = read_amount(merit, given), read_amount(merit, cap)
-    comparable = have is not None and most is not None and have.unit == most.unit
     return CapAssessment(
         device=device.name,
         merit=merit,
         cap=cap,
         given=given,
-        is_within=not over_cap(merit, given, cap) if comparable else None,
+        is_within=is_within(merit, given, cap),
     )

@@ -49,22 +49,19 @@ def read_amount(merit: str, text: str) -> Amount | None:
     return Amount(value=value * factor, unit=next(iter(UNITS[merit])))
 
 
-def over_cap(merit: str, text: str, cap: str) -> str:
-    """Say by how much a device exceeds a cap; '' where it does not, or nobody knows."""
+def is_within(merit: str, text: str, cap: str) -> bool | None:
+    """Whether a maker's text keeps a cap; None where nobody can tell."""
     have, most = read_amount(merit, text), read_amount(merit, cap)
     if have is None or most is None or have.unit != most.unit:
-        return ""  # is_known tells the two apart
-    return (
-        sentence("comparisons.over_cap", merit=merit, text=text, cap=cap)
-        if have.value > most.value
-        else ""
-    )
+        return None
+    return have.value <= most.value
 
 
-def is_known(merit: str, text: str, cap: str) -> bool:
-    """Whether a maker's text can be held against a cap."""
-    have, most = read_amount(merit, text), read_amount(merit, cap)
-    return have is not None and most is not None and have.unit == most.unit
+def over_cap(merit: str, text: str, cap: str) -> str:
+    """Say by how much a device exceeds a cap; '' where it does not, or nobody knows."""
+    if is_within(merit, text, cap) is not False:
+        return ""
+    return sentence("comparisons.over_cap", merit=merit, text=text, cap=cap)
 
 
 def front(points: Sequence[tuple[float, Amount | None]]) -> tuple[bool, ...]:

@@ -149,17 +149,14 @@ class Margin:
         whole = asked.limits
         tests = [_of_test(question, name, sizes[name]) for name in in_test]
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
-        known = {
+        acting: dict[str, tuple[Name, ...]] = {
             name: (_name_of(name, one),) for name, one in (missing | probes).items()
         }
-        acting: dict[str, tuple[Name, ...]] = {
-            **known,
-            **{name: (one.source,) for name, one in stands.items()},
-        }
+        acting |= {name: (one.source,) for name, one in stands.items()}
         for key in uses:
             # Without the size of one of its lines a use has no bound by any.
             sized = all(x in tops and tops[x].origin != BY_NATURE for x in silent[key])
-            own = [name for x in silent[key] for name in known[x]] if sized else []
+            own = [name for x in silent[key] for name in acting[x]] if sized else []
             acting[key] = (*felt_by(question, key), *own)
         groups = {
             name: tuple(places[own] for own in several if own in places)

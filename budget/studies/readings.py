@@ -43,23 +43,23 @@ def effects(question: Question) -> tuple[ReadingEffect, ...]:
     with the readings that are taken.
     """
     others = [
-        (sensor, line, word)
+        (sensor, name, _taken(line), word)
         for sensor in question.sensors
-        for line, words in _open_lines(sensor).items()
-        for word in words
-        if word != _taken(sensor, line)
+        for name, line in _open(sensor).items()
+        for word, _ in line.readings
+        if word != _taken(line)
     ]
     question = replace(question, requirement=None, asked=None, only=None)
     now = _u(question) if others else {}
     found = []
-    for sensor, line, word in others:
-        u = _u(question.with_sensors([under(sensor, ((line, word),))]))
+    for sensor, name, taken, word in others:
+        u = _u(question.with_sensors([under(sensor, ((name, word),))]))
         output = _largest_change(u, now)
         found.append(
             ReadingEffect(
-                line=line,
+                line=name,
                 reading=word,
-                taken=_taken(sensor, line),
+                taken=taken,
                 output=output,
                 ratio=u[output] / now[output] if now[output] else inf,
             )
@@ -76,6 +76,9 @@ def verdicts_by_reading(
 ) -> ReadingVerdicts | None:
     """Judge one sensor under the readings of its open lines; None where none is open.
 
+    What belongs to both sensors is not, nor what rests on predicted lines, whose
+    verdict is a probability, nor some sources alone.
+
     As every command judges (budget.studies.judgement), or by the law alone. Of more
     than MOST combinations those that are taken, each other one alone, and the smallest
     of every line. `taken` is how the sensor stands as it is, where that is known: it is
@@ -84,18 +87,20 @@ def verdicts_by_reading(
     The sides of a density are not changed: the larger noise is taken, and less of it is
     never worse, but for an estimator that weighs by it.
     """
-    (sensor,) = question.sensors
+    sensor, *others = question.sensors
+    if others or question.only is not None or question.filled.prediction is not None:
+        return None
     weighs_noise = estimator_of(question.procedure.formulas).weighs_noise
     lines = {
-        name: words
-        for name, words in _open_lines(sensor).items()
-        if weighs_noise or {*words} != {*SIDES}
+        name: line
+        for name, line in _open(sensor).items()
+        if weighs_noise or {*dict(line.readings)} != {*SIDES}
     }
     if not lines:
         return None
-    total = prod(len(words) for words in lines.values())
+    total = prod(len(line.readings) for line in lines.values())
     found = []
-    for place, choice in enumerate(_combinations(sensor, lines, total)):
+    for place, choice in enumerate(_combinations(lines, total)):
         read = question.with_sensors([under(sensor, choice)]) if place else question
         if (held := read.held) is None:
             return None
@@ -115,42 +120,32 @@ def verdicts_by_reading(
 
 def under(sensor: Sensor, choice: Choice) -> Sensor:
     """Return a sensor with other readings of some of its lines."""
-    lines = list(sensor.lines)
-    for name, word in choice:
-        place = next(k for k, one in enumerate(lines) if _is_open_as(one, name))
-        lines[place] = replace(
-            dict(lines[place].readings)[word], readings=lines[place].readings
-        )
-    return sensor.with_lines(lines)
-
-
-def _open_lines(sensor: Sensor) -> dict[Name, tuple[str, ...]]:
-    """Return the lines whose meaning is open, as the file names them, and words."""
-    return {
-        _name(line, sensor.kind): tuple(word for word, _ in line.readings)
-        for line in sensor.lines
-        if line.readings
+    lines = _open(sensor)
+    other = {
+        id(line): replace(dict(line.readings)[word], readings=line.readings)
+        for name, word in choice
+        for line in [lines[name]]
     }
+    return sensor.with_lines(other.get(id(line), line) for line in sensor.lines)
 
 
-def _name(line: ErrorLine, kind: str) -> Name:
-    """Return the line that a file names: that of the first reading that stands there.
+def _open(sensor: Sensor) -> dict[Name, ErrorLine]:
+    """Return the lines whose meaning is open, by the names that a file has for them.
 
-    What is read as over temperature is another line of the model.
+    That is the first reading that stands there: what is read as over temperature is
+    another line of the model.
     """
-    names = [one.name for _, one in line.readings]
-    here = [name for name in names if not name.endswith("_over_temperature")]
-    return Name((here or names)[0], owner=kind)
+    found = {}
+    for line in sensor.lines:
+        names = [one.name for _, one in line.readings]
+        here = [name for name in names if not name.endswith("_over_temperature")]
+        if names:
+            found[Name((here or names)[0], owner=sensor.kind)] = line
+    return found
 
 
-def _is_open_as(line: ErrorLine, name: Name) -> bool:
-    """Say whether a line is the open one that a file names so."""
-    return bool(line.readings) and _name(line, name.owner) == name
-
-
-def _taken(sensor: Sensor, name: Name) -> str:
+def _taken(line: ErrorLine) -> str:
     """Return the word of the reading that a line has now."""
-    line = next(one for one in sensor.lines if _is_open_as(one, name))
     return next(
         word
         for word, one in line.readings
@@ -160,34 +155,25 @@ def _taken(sensor: Sensor, name: Name) -> str:
     )
 
 
-def _combinations(
-    sensor: Sensor, lines: Mapping[Name, tuple[str, ...]], total: int
-) -> list[Choice]:
+def _combinations(lines: Mapping[Name, ErrorLine], total: int) -> list[Choice]:
     """Return the readings to compute, those that are taken first."""
-    taken = {name: _taken(sensor, name) for name in lines}
+    taken = {name: _taken(line) for name, line in lines.items()}
     first = tuple(taken.items())
     if total <= MOST:
-        every = (
-            tuple(zip(lines, words, strict=True)) for words in product(*lines.values())
-        )
+        words = (dict(line.readings) for line in lines.values())
+        every = (tuple(zip(lines, one, strict=True)) for one in product(*words))
         return [first, *(choice for choice in every if choice != first)]
     alone = [
         tuple({**taken, name: word}.items())
-        for name, words in lines.items()
-        for word in words
+        for name, line in lines.items()
+        for word, _ in line.readings
         if word != taken[name]
     ]
     smallest = tuple(
-        (name, min(words, key=_sizes(sensor, name).__getitem__))
-        for name, words in lines.items()
+        (name, min(line.readings, key=lambda read: settle(read[1].largest))[0])
+        for name, line in lines.items()
     )
     return list(dict.fromkeys((first, *alone, smallest)))
-
-
-def _sizes(sensor: Sensor, name: Name) -> dict[str, float]:
-    """Return the standard uncertainty of each reading, by its word [SI]."""
-    line = next(one for one in sensor.lines if _is_open_as(one, name))
-    return {word: settle(one.largest) for word, one in line.readings}
 
 
 def _u(question: Question) -> dict[Name, float]:

@@ -51,8 +51,8 @@ def _cautions_of(question: Question) -> Iterator[Condition]:
         yield _on_range(one.sensor, "range_needed", needed=one.shown)
     mission = question.journey
     for asked in () if mission is None else saturations(question.sensors, mission):
-        line = Name("range", owner=asked.peak.sensor)
-        yield Condition(kind=SATURATES, line=line, text=asked.said)
+        name = Name("range", owner=asked.peak.sensor)
+        yield Condition(kind=SATURATES, line=name, text=asked.said)
     stands = {one.source for one in question.filled.lines}
     for device in question.sheets or question.devices:
         own = _unusual(device, question.catalogue)

@@ -91,7 +91,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.methods.scaling import ScaledLaw
     from budget.model.source import Source
-    from budget.problem import Output, Problem
+    from budget.problem import Problem
     from budget.results import Verdict
 
 RATIO, LEAST_RATIO, MOST_RATIO = 4.0, 1.0, 1000.0  # limit over U of the station [1]
@@ -454,11 +454,6 @@ class _Case:
         """Return limit / R, shape (n_limits,) [SI]."""
         return np.array([one.limit for one in self.limits]) / self.ratio
 
-    @property
-    def has_station(self) -> bool:
-        """Whether the procedure names a station."""
-        return has_station(self.question.procedure)
-
     def problem(self, procedure: Procedure) -> Problem:
         """Return the test with nothing but the sources of station and environment.
 
@@ -540,11 +535,6 @@ def _is_felt(owner: str, line: ErrorLine, triads: Sequence[Triad]) -> bool:
     if not isinstance(effect, Disturbance):
         return True
     return any(effect.bind(line, triad) is not None for triad in triads)
-
-
-def has_station(procedure: Procedure) -> bool:
-    """Whether a procedure names a station, be it an ideal one."""
-    return IDEAL not in procedure.assumptions
 
 
 def station_sources() -> tuple[tuple[str, Source], ...]:
@@ -716,7 +706,12 @@ def _figures(case: _Case, probe: _Probe, strategy: str) -> tuple[StationFigure, 
     given = given_lines((), case.question.procedure)
     now = np.array([given[g].largest if g in given else 0.0 for g in law.sources])
     most = np.maximum(
-        [_ceiling(source_of(g.owner, g.quantity), g.owner) for g in law.sources], now
+        [
+            parse_quantity(CEILINGS[unit], unit).value
+            for g in law.sources
+            for unit in [source_of(g.owner, g.quantity).like(g.owner)]
+        ],
+        now,
     )
     task = _task(case, law, most / unit)
     rooms = headroom(task, np.zeros(n))
@@ -786,12 +781,6 @@ def _task(case: _Case, law: ScaledLaw, high: Array) -> Task:
     )
 
 
-def _ceiling(source: Source, owner: str) -> float:
-    """Return up to where the law is trusted with a source [SI]."""
-    unit = source.like(owner)
-    return float(parse_quantity(CEILINGS[unit], unit).value)
-
-
 def _why(name: Name, g: int, probe: _Probe, procedure: Procedure) -> str:
     """Say why any value will do, or what removes a source to first order."""
     what = removal(name, procedure)
@@ -808,7 +797,8 @@ def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdic
     procedure, prior = case.question.procedure, case.prior()
     found = []
     own = procedure.station_origin
-    if case.has_station:
+    is_there = IDEAL not in procedure.assumptions
+    if is_there:
         file = (own or procedure.origin).file
         name = next(
             (one.name for one in candidates if own and one.origin == own),
@@ -817,15 +807,14 @@ def _verdicts(case: _Case, candidates: Sequence[Station]) -> tuple[StationVerdic
         lines = (*procedure.station, *of_the_test(procedure.environment))
         found.append(_verdict(case, procedure, lines, prior, name=name, file=file))
     for one in candidates:
-        if case.has_station and own == one.origin:
+        if is_there and own == one.origin:
             continue
         there = at_station(procedure, one)
         lines = (*one.station, *of_the_test(one.environment))
         file = one.origin.file
         found.append(_verdict(case, there, lines, prior, name=one.name, file=file))
     return tuple(
-        replace(one, is_own=case.has_station and place == 0)
-        for place, one in enumerate(found)
+        replace(one, is_own=is_there and place == 0) for place, one in enumerate(found)
     )
 
 
@@ -845,23 +834,25 @@ def _verdict(
     problem, measured = case.problem(procedure), case.measured(procedure, "as_tested")
     station = _uncertain(case, problem, propagate(problem))
     whole = _uncertain(case, measured.problem, measured.law)
+    outputs = {output.name: output for output in problem.outputs}
     rows = []
     for one, allowed in zip(case.limits, case.allowed, strict=True):
-        own, all_of_it = station[one.output], whole[one.output]
-        acceptance = _acceptance(one.limit, case.guard * all_of_it.expanded)
-        u_0, u_m = prior[one.output], all_of_it.expanded / case.k
+        expanded, sources = station[one.output]
+        all_of_it, whole_sources = whole[one.output]
+        acceptance = _acceptance(one.limit, case.guard * all_of_it)
+        u_0, u_m = prior[one.output], all_of_it / case.k
         rows.append(
             StationOutput(
-                output=own.output,
+                output=outputs[one.output],
                 limit=one.limit,
                 printed_limit=one.printed,
-                expanded=own.expanded,
-                utilisation=own.expanded / float(allowed),
-                sources=own.sources,
-                whole=all_of_it.expanded,
-                whole_sources=all_of_it.sources,
+                expanded=expanded,
+                utilisation=expanded / float(allowed),
+                sources=sources,
+                whole=all_of_it,
+                whole_sources=whole_sources,
                 acceptance=acceptance,
-                station_acceptance=_acceptance(one.limit, case.guard * own.expanded),
+                station_acceptance=_acceptance(one.limit, case.guard * expanded),
                 prior=u_0,
                 false_accept=false_accept(one.limit, acceptance, u_0, u_m)
                 if u_0 > 0.0
@@ -877,31 +868,17 @@ def _verdict(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Uncertain:
-    """What one output is uncertain by, and the sources that take most of it."""
-
-    output: Output
-    expanded: float  # U [SI]; 0 of what is rounding
-    sources: tuple[Name, ...]
-
-
 def _uncertain(
     case: _Case, problem: Problem, law: Propagation
-) -> dict[Name, _Uncertain]:
-    """Return it by the names of the outputs of a problem."""
+) -> dict[Name, tuple[float, tuple[Name, ...]]]:
+    """Return by output U [SI], 0 of what is rounding, and what takes most of it."""
     found = {}
     for row, output in enumerate(problem.outputs):
         u = float(law.standard_uncertainty[row])
-        expanded = case.k * u if u > output.resolution else 0.0
-        takes = [float(variance[row]) for variance in law.source_variance]
-        found[output.name] = _Uncertain(
-            output=output,
-            expanded=expanded,
-            sources=tuple(problem.groups[g].name for g in largest(takes))
-            if expanded > 0.0
-            else (),
-        )
+        is_felt = u > output.resolution
+        takes = law.source_variance[:, row].tolist() if is_felt else []
+        most = tuple(problem.groups[g].name for g in largest(takes))
+        found[output.name] = (case.k * u if is_felt else 0.0, most)
     return found
 
 
@@ -946,7 +923,7 @@ def _warnings(case: _Case, names: Sequence[Name]) -> tuple[str, ...]:
         sentence("stations.not_estimated", parameters=parameters)
         for parameters in by_group(absent)
     ]
-    if not case.has_station:
+    if IDEAL in case.question.procedure.assumptions:
         found.append(
             sentence("stations.no_station", procedure=case.question.procedure.name)
         )

@@ -76,7 +76,9 @@ def verdict_on(
     found = replace(unjudged(question), doubt=doubt, readings=readings)
     found = _within_first_order(question, _decided(question, judged, found, seed=seed))
     outputs = assess_outputs(question, judged, found)
-    why = tuple(dict.fromkeys(name for row in outputs for name in row.lacks))
+    why = tuple(
+        dict.fromkeys(name for row in outputs for name in row.standard_uncertainty.why)
+    )
     is_bound = found.misses or bool(why)
     return replace(
         found,

@@ -62,7 +62,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.inputs.records import ErrorLine
     from budget.methods.gum import Propagation
     from budget.problem import Output
     from budget.question import Question
@@ -401,7 +400,7 @@ class WhatIf(Documented):
 def _verdict(sensor: WhatIfSensor, used: float, at_top: float) -> str:
     """Return the verdict at a utilisation, and at one with missing lines at their top.
 
-    It is as in budget.studies.verdicts.decide.
+    It is as in budget.studies.verdicts.
     """
     low, high = (settle(part * used) for part in sensor.doubt)
     given = FAILS if settle(used) > 1.0 else MEETS
@@ -550,7 +549,6 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
         for row in (held_against.outputs if held_against else ())
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
-    given = question.lines
     limits = {} if required is None else {r.output: r.limit for r in required.limits}
     own = (
         {}
@@ -595,7 +593,17 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
             )
             for owner in owners
         ),
-        sources=tuple(_source(name, given[name]) for name in varying),
+        sources=tuple(
+            WhatIfSource(
+                name=name,
+                u=line.largest,
+                unit=line.unit,
+                si_per_unit=line.si_per_unit,
+                printed=line.printed,
+            )
+            for name in varying
+            for line in [question.lines[name]]
+        ),
         outputs=outputs,
         coverage_factor=factor[rows],
         shift=shift[rows],
@@ -647,17 +655,6 @@ def _doubts(budget: Budget) -> dict[str, tuple[float, float]]:
             else one.utilisation_interval
         ]
     }
-
-
-def _source(name: Name, line: ErrorLine) -> WhatIfSource:
-    """Return a line that is given as a source."""
-    return WhatIfSource(
-        name=name,
-        u=line.largest,
-        unit=line.unit,
-        si_per_unit=line.si_per_unit,
-        printed=line.printed,
-    )
 
 
 FACTORS = (0.0, 0.5, 1.0, 2.0)  # on the standard uncertainty of the source [1]

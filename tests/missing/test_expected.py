@@ -134,7 +134,7 @@ def test_a_bias_that_lacks_its_line_is_this_or_more():
     tables = {table.title: table for table in group_tables(budget)}
 
     assert marked == {"gyro.bias"}
-    assert not any(row.lower_bound for row in full.outputs)
+    assert not any(row.standard_uncertainty.is_bound for row in full.outputs)
     assert [row.u.text[0] for row in tables["gyro bias"].rows] == ["≥"] * 3
     assert "bias repeatability not given" in tables["gyro bias"].gaps
     assert tables["gyro scale factor"].gaps == ""
@@ -143,7 +143,7 @@ def test_a_bias_that_lacks_its_line_is_this_or_more():
             part.source: part.standard_uncertainty.is_bound
             for part in row.contributions
         }
-        assert flags.pop("interaction") is row.lower_bound
+        assert flags.pop("interaction") is row.standard_uncertainty.is_bound
         assert not any(flags.values())
     totals = [line for line in to_csv(budget).splitlines() if ",total," in line]
     assert sum(line.endswith(",true") for line in totals) == 3
@@ -166,7 +166,7 @@ def test_what_is_left_out_on_purpose_is_not_missing():
     bare = without("bias_repeatability")
     alone = analyze(bare, only=("gyro.bias_stability",), validate=False)
 
-    assert not any(row.lower_bound for row in alone.outputs)
+    assert not any(row.standard_uncertainty.is_bound for row in alone.outputs)
 
 
 def compared(*devices, **options):
@@ -259,7 +259,9 @@ def test_what_the_page_computes_with_is_marked():
     bare = without("bias_stability")
     budget = analyze(bare, requirement=REQUIREMENT, validate=False)
     model = what_if(question_of(budget), budget=budget)
-    lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
+    lacking_of = {
+        row.output.name: row.standard_uncertainty.is_bound for row in budget.outputs
+    }
 
     lacks = map(bool, model.why)
     assert dict(zip(bound_names(model), lacks, strict=True)) == lacking_of

@@ -17,7 +17,7 @@ from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
 from budget.methods.gum import propagate
 from budget.methods.monte_carlo import sample
-from budget.report.analysis.groups import budget_answer, matrices_sections
+from budget.report.analysis.groups import budget_answer, page_of
 from budget.results import CONVENTION
 from budget.studies.compensation import inversion_of, outputs_of
 from budget.units import ARCSEC, MICRO_G
@@ -170,7 +170,7 @@ def test_page_and_terminal_print_the_same_matrices():
     """Convention, value and u of every element, the exact ones behind the rounded."""
     found = analyze(load_device("zhao-2019"), matrices=True, validate=False)
     (section,) = [one for one in budget_answer(found) if one.name == "matrices"]
-    assert [*matrices_sections(found)] == [section]
+    assert [*page_of("matrices", found)] == [section]
     convention, _, both = section.blocks
     assert convention.words == (CONVENTION,)
     for panel, one in zip(both.blocks, found.matrices.values(), strict=True):
@@ -191,4 +191,4 @@ def test_page_and_terminal_print_the_same_matrices():
         assert_allclose(u, one.standard_uncertainty / scale, rtol=1e-15)
 
     without = analyze(load_device("zhao-2019"), validate=False)
-    assert [*matrices_sections(without)] == []
+    assert [*page_of("matrices", without)] == []

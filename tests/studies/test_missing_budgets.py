@@ -71,7 +71,7 @@ def test_the_budget_is_that_of_a_device_with_those_lines(mode):
     plain = budget_of(completed, missing="refuse", requirement=None)
 
     assert_allclose(found.covariance, plain.covariance, rtol=1e-12, atol=0)
-    assert not any(row.lower_bound for row in found.outputs)
+    assert not any(row.standard_uncertainty.is_bound for row in found.outputs)
     assert {line.expected for line in found.filled} == {
         *DEVICE.gyro.expected_missing,
         *DEVICE.accelerometer.expected_missing,

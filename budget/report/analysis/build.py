@@ -10,9 +10,7 @@ from budget.inputs.records import UNCALIBRATED
 from budget.question import question_of, sensors_of
 from budget.report.analysis.groups import (
     budget_section,
-    filled_sections,
-    matrices_sections,
-    readings_section,
+    page_of,
 )
 from budget.report.analysis.method import Trials, method_section
 from budget.report.analysis.mission import mission_card
@@ -117,9 +115,9 @@ def report_document(
     own = procedure if judged is budget else question_of(judged).procedure
     assumed, brief = counting(budgets), missing(budgets, NAMES)
     made = {
-        "filled": filled_sections(budget),
+        "filled": page_of("filled", budget),
         "limits": assessment and limits_section(budget, assessment, full=full),
-        "readings": readings_section(budget, assessment),
+        "readings": page_of("readings", budget, assessment=assessment),
         "what_if": what_if_section(budget, model, rows, devices=devices, again=again),
         "inputs": inputs_section(
             devices,
@@ -131,7 +129,7 @@ def report_document(
         ),
         "procedure": procedure_section(procedure, sensors, full=full),
         "budget": budget_section(groups, procedure, assessment, full=full),
-        "matrices": matrices_sections(budget),
+        "matrices": page_of("matrices", budget),
         "station": station_section(
             budget, groups, procedure, assessment, evidence.unfelt, full=full
         ),

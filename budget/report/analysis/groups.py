@@ -62,9 +62,9 @@ def budget_answer(budget: Budget, *, full: bool = True) -> tuple[Section, ...]:
         return brief_sections(budget, _worst_blocks(budget, groups))
     return (
         *verdict_sections(budget, _cards),
-        *_page("worst", budget, **view),
+        *page_of("worst", budget, **view),
         *((limits_section(budget, judged),) if judged else ()),
-        *_page("groups", budget, **view),
+        *page_of("groups", budget, **view),
     )
 
 
@@ -85,7 +85,7 @@ def brief_sections(
         verdict="" if judged is None else judged.verdict,
         blocks=(*under, Paragraph(words=summary(budget, judged)), *own),
     )
-    return (answer, *_page("asked", budget))
+    return (answer, *page_of("asked", budget))
 
 
 def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, ...]:
@@ -102,7 +102,11 @@ def _worst_blocks(budget: Budget, groups: Sequence[GroupTable]) -> tuple[Block, 
 
 def lacking(budget: Budget) -> list[Name]:
     """Return the specifications not given without which numbers are bounds."""
-    return list(dict.fromkeys(name for row in budget.outputs for name in row.lacks))
+    return list(
+        dict.fromkeys(
+            name for row in budget.outputs for name in row.standard_uncertainty.why
+        )
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,28 +137,11 @@ def rest_sections(budget: Budget) -> tuple[Section, ...]:
     """Return what the numbers of a mission rest on, and how the law was checked."""
     digits = budget.settings.digits
     checked = line("analysis/group", "law", outputs=budget.outputs, digits=digits)
-    return _page("rest", budget, checked=checked)
+    return page_of("rest", budget, checked=checked)
 
 
-def filled_sections(budget: Budget) -> tuple[Section, ...]:
-    """Return what stands for expected lines that are not given; nothing to refuse."""
-    return _page("filled", budget)
-
-
-def readings_section(
-    budget: Budget, assessment: Assessment | None
-) -> tuple[Section, ...]:
-    """Return what other readings would change; nothing where none is open."""
-    return _page("readings", budget, assessment=assessment)
-
-
-def matrices_sections(budget: Budget) -> tuple[Section, ...]:
-    """Return how readings become inputs, where it was asked for."""
-    return _page("matrices", budget)
-
-
-def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
-    """Return a page of a budget, or a part of one."""
+def page_of(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
+    """Return a page of a budget, or a part of one; nothing where it has nothing."""
     is_later = budget.settings.reference == "next_turn_on"
     sensors = dict.fromkeys(row.sensor for row in budget.outputs)
     charts = (sobol_chart(budget, sensor) for sensor in sensors)

@@ -164,7 +164,9 @@ class LimitedBudget:
         )
         u = sqrt(variance)
         used = k * u / self.limit.limit if u > self.row.output.resolution else 0.0
-        known = Known.of(used, self.row.lacks if owners == SENSORS else ())
+        known = Known.of(
+            used, self.row.standard_uncertainty.why if owners == SENSORS else ()
+        )
         return Number.of(known, print_utilisation(used) if used else "0 %")
 
 

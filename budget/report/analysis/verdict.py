@@ -219,7 +219,7 @@ def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
     end = by_time(carried)[-1]
     for quantity, axis in AT_THE_END:
         row = end.row(quantity, axis)
-        if row is not None and not row.is_unknown:
+        if row is not None and not row.standard_uncertainty.is_unknown:
             like = HEADING if axis == HEADING else quantity
             unit, scale = unit_for(like, row.largest_error)
             output = replace(row.output, unit=unit, si_per_unit=scale)

@@ -140,7 +140,9 @@ def _map_cells(
             end=x + 1.0 - CELL_EDGE,
             colour=BLUE,
             edge="none",
-            opacity=PALEST if output.is_unknown else _opacity(output.utilisation),
+            opacity=PALEST
+            if output.utilisation.is_unknown
+            else _opacity(output.utilisation),
             height=14.0,
             is_framed=not output.is_within,
             text=_cell(output),

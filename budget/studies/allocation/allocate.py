@@ -351,15 +351,10 @@ def _assure(
 
 def _resized(sensor: Sensor, cases: Sequence[SensorCase]) -> Sensor:
     """Return a sensor with its allocated values, as it is where there are none."""
-    case = _last(cases, sensor.kind)
-    if case is None or case.s is None:
+    own = [case for case in cases if sensor.kind in case.kinds]  # the last one rules
+    if not own or own[-1].s is None:
         return sensor
-    return resize(sensor, case.task.law.sources, case.s)
-
-
-def _last(cases: Sequence[SensorCase], kind: str) -> SensorCase | None:
-    """Return the case that says what the lines of a triad may be; None: none does."""
-    return next((case for case in reversed(cases) if kind in case.kinds), None)
+    return resize(sensor, own[-1].task.law.sources, own[-1].s)
 
 
 def _allowed(cases: Sequence[SensorCase]) -> dict[Name, float]:
@@ -462,10 +457,10 @@ def _warnings(
             )
         if case.by_law is not None:
             texts.append(sentence("allocations.by_trials", sensor=kind))
-        missing = [
+        lacking = [
             name for one in case.question.sensors for name in one.expected_missing
         ]
-        if new := [name for name in missing if name not in said]:
+        if new := [name for name in lacking if name not in said]:
             said.update(new)
             texts.append(sentence("allocations.missing", lines=new))
     return tuple(texts)

@@ -17,7 +17,7 @@ from budget.missing.prediction import prepare
 from budget.question import laws_together
 from budget.sentences import sentence
 from budget.studies.comparison.records import Entrant, Lead, MissingLines, UnknownCap
-from budget.studies.figures_of_merit import MERITS, is_known, over_cap
+from budget.studies.figures_of_merit import MERITS, is_within, over_cap
 from budget.studies.judgement import (
     MAX_TRIALS,
     STEP,
@@ -145,12 +145,10 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
             if not (by_trials or checks[row].holds)
         )
     beyond = np.abs(held.law.value[held.rows]) >= held.limits
-    readings = None
-    if prediction is None and len(one.sensors) == 1:
-        is_usual = by_law(asked) or (trials, most) == (TRIALS, MAX_TRIALS)
-        readings = verdicts_by_reading(
-            one, seed=seed, by_law=by_law(asked), taken=judged if is_usual else None
-        )
+    is_usual = by_law(asked) or (trials, most) == (TRIALS, MAX_TRIALS)
+    readings = verdicts_by_reading(
+        one, seed=seed, by_law=by_law(asked), taken=judged if is_usual else None
+    )
     verdict = verdict_on(one, judged, seed=seed, readings=readings)
     # Trials make no difference to what missing lines leave open.
     is_open = verdict.doubt is None and judged.trials is None
@@ -192,7 +190,7 @@ def entrant_of(one: Question, verdict: Verdict, place: int) -> Entrant:
         unknown_caps=tuple(
             UnknownCap(merit=merit, cap=cap, text=text)
             for merit, cap, text in caps
-            if not is_known(merit, text, cap)
+            if is_within(merit, text, cap) is None
         ),
     )
 

@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from functools import reduce
 from typing import TYPE_CHECKING, TypeVar
 
+from budget.known import Known
 from budget.methods.largest import joined, probability_smaller
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import IMU, MISSION
@@ -61,7 +62,7 @@ def rank_devices(found: Iterable[Entrant]) -> tuple[Entrant, ...]:
 
 def rank(found: Iterable[R]) -> list[R]:
     """Order a list best first, say how sure each step is, and number it."""
-    order = sorted(found, key=place_of)
+    order: list[R] = sorted(found, key=place_of)
     following = [*order[1:], None]
     return numbered(
         [
@@ -97,16 +98,16 @@ def place_of(one: Entrant | Unit) -> tuple[float, ...]:
     three digits of it are equal, a bound comes after a full value, and more conditions
     and more that is not given after fewer.
     """
-    worst = settle(max(map(_at_ceilings, one.parts)))
+    used = Known.largest(part.utilisation for part in one.parts)
+    worst = used.like(settle(max(map(_at_ceilings, one.parts))))
     return (
         VERDICTS.index(one.verdict),
         -(probability_of(one.parts) or 0.0),
-        float(f"{worst:.2e}"),
-        any(part.utilisation.is_bound for part in one.parts),
+        *worst.order,
         len(one.conditions),
         len(one.negligible),
         worst,
-        settle(max(part.utilisation for part in one.parts)),
+        settle(used),
     )
 
 

@@ -351,7 +351,9 @@ def _constant(parameter: str) -> Callable[[KnownFigures], Figure | Missing]:
                 lines=raw.lines,
                 steps=(*raw.steps, said),
             )
-        lacks = dict.fromkeys(name for one in names for name in rows[one].lacks)
+        lacks = dict.fromkeys(
+            name for one in names for name in rows[one].standard_uncertainty.why
+        )
         if lacks:
             why = "not given, and would add to what is left"
             return Missing(needs=", ".join(lacks), why=why, axes=axes)

@@ -282,5 +282,8 @@ def test_degrees_of_freedom_nobody_knows_are_blank():
     assert predicted.to_dict()["degrees_of_freedom"] is None
 
     lacking = analyze(load_device("bmi088"), validate=False)
-    found = {row.lower_bound: row.degrees_of_freedom for row in lacking.outputs}
+    found = {
+        row.standard_uncertainty.is_bound: row.degrees_of_freedom
+        for row in lacking.outputs
+    }
     assert found[True] is None

@@ -97,8 +97,8 @@ def assert_same(folder, device, *, limits=None, **options):
                 [read.utilisation for read in x.readings.found] for x in (one, other)
             ]
             assert_allclose(used[1], used[0], rtol=SAME)
-    assert [one.lower_bound for one in again.outputs] == [
-        one.lower_bound for one in budget.outputs
+    assert [one.standard_uncertainty.is_bound for one in again.outputs] == [
+        one.standard_uncertainty.is_bound for one in budget.outputs
     ]
     assert_allclose(
         [one.standard_uncertainty for one in again.outputs],

@@ -130,7 +130,7 @@ def test_what_a_new_unit_has_is_expected_of_it(calibration):
         requirement=wanted,
         validate=False,
     )
-    lacks = {name for row in own.outputs for name in row.lacks}
+    lacks = {name for row in own.outputs for name in row.standard_uncertainty.why}
     assert lacks <= {*(() if judged.missing is None else judged.missing.lines)}
     is_open = calibration != "factory"
     assert (judged.verdict == "undecidable") == bool(lacks) == is_open
