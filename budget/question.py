@@ -158,6 +158,31 @@ class Limited:
         """The required outputs."""
         return tuple(self.problem.outputs[row] for row in self.rows)
 
+    @cached_property
+    def law(self) -> Propagation:
+        """The law of propagation for the Problem."""
+        return propagate(self.problem)
+
+    @property
+    def mean(self) -> Array:
+        """Expected errors by the law, shape (n_required,) [SI]."""
+        return self.law.mean[self.rows]
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties by the law, shape (n_required,) [SI]."""
+        return self.law.standard_uncertainty[self.rows]
+
+    @cached_property
+    def by_law(self) -> Array:
+        """Coverage intervals by the law, shape (n_required, 2) [SI]."""
+        return np.asarray(self.law.interval(self.every_coverage)[self.rows])
+
+    @property
+    def lengths(self) -> NDArray[np.intp]:
+        """Places among the lengths of the Problem; below 0 of what is none."""
+        return self.rows - (self.law.value.size - self.law.legs.shape[1])
+
     @property
     def every_coverage(self) -> Array:
         """Coverages of all outputs of the Problem, shape (n_out,) [1].
@@ -536,6 +561,16 @@ class Question:
         return with_accelerometers(self.sensors, self.procedure)
 
     @property
+    def title(self) -> str:
+        """Names of the devices."""
+        return " + ".join(device.name for device in self.devices)
+
+    @property
+    def not_given(self) -> tuple[Name, ...]:
+        """Lines of the model that the data sheets of its triads do not give."""
+        return tuple(name for sensor in self.sensors for name in sensor.not_given)
+
+    @property
     def has_lines(self) -> bool:
         """Whether any error line is given."""
         return any(sensor.lines for sensor in self.sensors)
@@ -652,7 +687,7 @@ class Question:
     @cached_property
     def law(self) -> Propagation:
         """The law of propagation for it."""
-        return propagate(self.problem)
+        return propagate(self.problem) if self.held is None else self.held.law
 
     @property
     def carried(self) -> tuple[Mission, tuple[Name, ...]] | None:

@@ -5,29 +5,35 @@ from __future__ import annotations
 from functools import cache
 from itertools import pairwise
 from math import log, sqrt
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
-
-from pydantic import Field, model_validator
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from budget.errors import UnitError
 from budget.inputs.fields import (
     KEY,
-    Measured,
+    TEXT,
+    TIME,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Strict,
-    Time,
     by_axis,
+    by_name,
     fault,
-    mapping_of,
-    or_one,
+    given_of,
+    items,
+    meaning,
+    measured,
+    one_of,
+    or_else,
     or_text,
     per_axis,
+    table,
 )
 from budget.inputs.records import Aiding, Believed, OwnFilter, joined
-from budget.inputs.tree import describe
+from budget.inputs.tree import Node, describe
 from budget.model.source import SENSORS
 from budget.model.sources import lines_of
 from budget.names import AIDING, PARAMETERS, PLACES, Name
@@ -36,8 +42,10 @@ from budget.units import Quantity, parse_quantity
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from budget.inputs.fields import Read
+
 ZERO_VELOCITY = "zero_velocity"
-OPTIMAL, SELF = "optimal", "self"
+OPTIMAL, SELF, PERFECT = "optimal", "self", "perfect"
 AXES = PLACES["position"]
 MOST_EPOCHS = 100_000  # of all aids
 CEP_OF_SIGMA = sqrt(2.0 * log(2.0))  # radius of half of a circular normal law [1]
@@ -59,36 +67,43 @@ MOST_UNKNOWN = {
     "level": parse_quantity("180 deg", "deg"),
     "heading": parse_quantity("180 deg", "deg"),
 }
+EXACTLY = "unset: known exactly"
 _ROUNDING = 1e-9  # of a time, relative
 
-Rate = Annotated[Quantity, Measured("Hz", Sign.POSITIVE)]
 
+def or_word(kind: Kind, words: tuple[str, ...], example: str) -> Kind:
+    """Allow, beside a mapping, a word that stands for a whole one."""
 
-class AlignmentPart(Ruled):
-    """How well a mission knows where it begins, 1 sigma; what it does not say, all."""
-
-    position: Annotated[Quantity, Measured("m")] | None = Field(
-        default=None, description="north, east and down each; unset: known exactly"
-    )
-    velocity: Annotated[Quantity, Measured("m/s")] | None = Field(
-        default=None, description="north, east and down each; unset: known exactly"
-    )
-    level: Annotated[Quantity, Measured("deg")] | None = Field(
-        default=None, description="each of two tilts; unset: known exactly"
-    )
-    heading: Annotated[Quantity, Measured("deg")] | None = Field(
-        default=None, description="unset: known exactly"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _check_word(cls, value: object) -> object:
-        if isinstance(value, dict) and SELF in value:
+    def read(node: Node, gravity: float, mapping: Read) -> object:
+        value = node.value
+        if value in words:
+            return value
+        if isinstance(value, dict) and SELF in words and SELF in value:
             raise fault(
                 f"found {describe(value)}, expected self, which has its duration "
                 "beside it, as 'alignment_time: 300 s'"
             )
-        return value
+        if isinstance(value, dict):
+            return mapping(node, gravity)
+        raise fault(
+            f"found {describe(value)}, expected {' or '.join(words)}, or a mapping "
+            f"such as {example}"
+        )
+
+    return or_else(kind, read, {"enum": [*words]})
+
+
+class AlignmentPart(Keyed):
+    """How well a mission knows where it begins, 1 sigma; what it does not say, all."""
+
+    rows: ClassVar[Rows] = {
+        **{
+            key: Row(measured(like), f"north, east and down each; {EXACTLY}")
+            for key, like in (("position", "m"), ("velocity", "m/s"))
+        },
+        "level": Row(measured("deg"), f"each of two tilts; {EXACTLY}"),
+        "heading": Row(measured("deg"), EXACTLY),
+    }
 
     def _faults(self) -> dict[tuple[str, ...], str]:
         """Return what is larger than to know nothing of it."""
@@ -110,37 +125,29 @@ class AlignmentPart(Ruled):
         return (*(position,) * three, *(velocity,) * three, level, level, heading)
 
 
-def _size(like: str, **more: Any) -> Any:  # noqa: ANN401
-    """Return the type of the size of what is measured, with what it says besides."""
-    measured = Measured(like, Sign.POSITIVE)
-    fields = {"axes": per_axis(like, AXES, Sign.POSITIVE), **more}
-    meanings = {"axes": "those that differ, 1 sigma"}
-    base = mapping_of(f"size in {like}", {"value": Annotated[Quantity, measured]})
-    words = ", ".join(more)
-    return mapping_of(f"size in {like} {words}", fields, meanings, base)
+ALIGNMENT = or_word(
+    table(AlignmentPart), (PERFECT, SELF), "{position: 10 m, heading: 5 deg}"
+)
 
 
-_Position: Any = Annotated[
-    _size("m", meaning=Literal["1 sigma", "CEP"]),
-    or_text(Measured("m", Sign.POSITIVE)),
-]
-_Velocity: Any = Annotated[_size("m/s"), or_text(Measured("m/s", Sign.POSITIVE))]
-_ByAxis: Any = per_axis("m/s", AXES, Sign.POSITIVE)
-_Drift: Any = Annotated[
-    _size("m", correlation_time=Annotated[Quantity, Measured("s", Sign.POSITIVE)]),
-    or_text(Measured("m", Sign.POSITIVE), besides="correlation_time: 60 s"),
-]
+def size_of(like: str, besides: str = "", **more: Row) -> Kind:
+    """Return the kind of the size of what is measured, with what it says besides."""
+    size = measured(like, Sign.POSITIVE)
+    axes = Row(per_axis(like, AXES, Sign.POSITIVE), "those that differ, 1 sigma")
+    rows = {"value": Row(size), "axes": axes, **more}
+    return or_text(table(rows=rows, title=f"size in {like}"), size, besides)
 
 
-class Spanned(Ruled):
+class Spanned(Keyed):
     """Something that is there for a while."""
 
-    during: tuple[tuple[Time, Time], ...] | None = Field(
-        default=None,
-        description="beside a trajectory: begins and ends of when it is there",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "during": Row(
+            items(items(TIME, TIME)),
+            "beside a trajectory: begins and ends of when it is there",
+        )
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "during",
             lambda it: it.during == (),
@@ -168,19 +175,33 @@ class Spanned(Ruled):
 class AidPart(Spanned):
     """Something that is measured at a rate."""
 
-    rate: Rate = Field(description="of its epochs, k/rate from the mission's start")
+    rows: ClassVar[Rows] = {
+        "rate": Row(
+            measured("Hz", Sign.POSITIVE),
+            "of its epochs, k/rate from the mission's start",
+            is_needed=True,
+        )
+    }
 
 
 class GnssPart(AidPart):
     """Position and velocity from satellites, loosely coupled."""
 
-    position: _Position | None = Field(default=None, description="white by epoch")
-    velocity: _Velocity | None = Field(default=None, description="white by epoch")
-    position_drift: _Drift | None = Field(
-        default=None, description="an error of the position that fades (Gauss-Markov)"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "position": Row(
+            size_of("m", meaning=Row(meaning("1 sigma", "CEP"))), "white by epoch"
+        ),
+        "velocity": Row(size_of("m/s"), "white by epoch"),
+        "position_drift": Row(
+            size_of(
+                "m",
+                besides="correlation_time: 60 s",
+                correlation_time=Row(measured("s", Sign.POSITIVE)),
+            ),
+            "an error of the position that fades (Gauss-Markov)",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "position_drift",
             lambda it: it.position_drift and it.position_drift.correlation_time is None,
@@ -209,48 +230,49 @@ class GnssPart(AidPart):
     )
 
 
-class HeadingPart(AidPart):
-    """A heading, as of two antennas."""
-
-    value: Annotated[Quantity, Measured("deg", Sign.POSITIVE)] = Field(
-        description="1 sigma, white by epoch"
-    )
-
-
-class ZeroVelocityPart(AidPart):
-    """A vehicle that stands, and knows it."""
-
-    value: Annotated[Quantity, Measured("m/s", Sign.POSITIVE)] = Field(
-        description="1 sigma of each axis, white by epoch"
-    )
-    axes: _ByAxis | None = Field(default=None, description="those that differ")
-
-
-class OdometerPart(AidPart):
-    """A forward speed, as of wheels, in body axes."""
-
-    value: Annotated[Quantity, Measured("m/s", Sign.POSITIVE)] = Field(
-        description="1 sigma, white by epoch"
-    )
+# What is measured besides positions, with the unit of its size and what that says.
+_SIMPLE = {
+    "heading": ("deg", "1 sigma, white by epoch", "a heading, as of two antennas", {}),
+    ZERO_VELOCITY: (
+        "m/s",
+        "1 sigma of each axis, white by epoch",
+        "where the vehicle stands, that it does",
+        {"axes": Row(per_axis("m/s", AXES, Sign.POSITIVE), "those that differ")},
+    ),
+    "odometer": (
+        "m/s",
+        "1 sigma, white by epoch",
+        "a forward speed, as of wheels, in body axes",
+        {},
+    ),
+}
 
 
-class AidingPart(Strict):
+class AidingPart(Keyed):
     """What is measured besides; segments or `during` say when."""
 
-    gnss: GnssPart | None = Field(
-        default=None, description="position and velocity from satellites"
-    )
-    heading: HeadingPart | None = Field(default=None, description="a heading")
-    zero_velocity: ZeroVelocityPart | None = Field(
-        default=None, description="where the vehicle stands, that it does"
-    )
-    odometer: OdometerPart | None = Field(default=None, description="a forward speed")
+    rows: ClassVar[Rows] = {
+        "gnss": Row(table(GnssPart), "position and velocity from satellites"),
+        **{
+            key: Row(
+                table(
+                    AidPart,
+                    {
+                        "value": Row(measured(like, Sign.POSITIVE), of, is_needed=True),
+                        **more,
+                    },
+                    key,
+                ),
+                says,
+            )
+            for key, (like, of, says, more) in _SIMPLE.items()
+        },
+    }
 
     @property
-    def given(self) -> dict[str, AidPart]:
+    def parts(self) -> dict[str, AidPart]:
         """The aids that are there, by their keys."""
-        parts = {key: getattr(self, key) for key in type(self).model_fields}
-        return {key: part for key, part in parts.items() if part is not None}
+        return given_of(vars(self))
 
     def lines(
         self, spans: Mapping[str, Sequence[tuple[float, float]]]
@@ -269,7 +291,7 @@ class AidingPart(Strict):
                 spans=joined(spans[key]),
                 **(fades if name == "gnss_position" else {}),
             )
-            for key, part in self.given.items()
+            for key, part in self.parts.items()
             for name, given in _sizes_of(key, part)
             if given is not None
         )
@@ -282,23 +304,23 @@ def _sizes_of(key: str, part: Any) -> tuple[tuple[str, Any], ...]:  # noqa: ANN4
     return (("gnss_position", part.position), ("gnss_velocity", part.velocity))
 
 
-Aids = Annotated[
-    tuple[Literal["gnss", "heading", "zero_velocity", "odometer"], ...], or_one()
-]
+AIDS = items(one_of(*AidingPart.rows), alone=True)
 
 
-class FilterPart(Ruled):
+class FilterPart(Keyed):
     """A filter of its own: what it estimates, and what it believes otherwise."""
 
-    estimates: tuple[ShortText, ...] | None = Field(
-        default=None,
-        description="parameters that are its states, such as gyro.bias; unset: all",
-    )
-    believes: dict[ShortText, ShortText] | None = Field(
-        default=None,
-        description="specifications that it takes for others than they are, as --set "
-        "writes them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",
-    )
+    rows: ClassVar[Rows] = {
+        "estimates": Row(
+            items(TEXT),
+            "parameters that are its states, such as gyro.bias; unset: all",
+        ),
+        "believes": Row(
+            by_name(TEXT),
+            "specifications that it takes for others than they are, as --set "
+            "writes them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",
+        ),
+    }
 
     def _faults(self) -> dict[tuple[str | int, ...], str]:
         """Return what is none of its states, and no line that it could believe."""
@@ -329,6 +351,9 @@ class FilterPart(Ruled):
                 _believed(name, text) for name, text in (self.believes or {}).items()
             ),
         )
+
+
+FILTER = or_word(table(FilterPart), (OPTIMAL,), "{estimates: [gyro.bias]}")
 
 
 @cache

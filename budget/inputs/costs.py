@@ -2,53 +2,53 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, ClassVar
 
-from pydantic import Field, create_model
-
-from budget.inputs.checking import check
-from budget.inputs.fields import Measured, Sign, Strict, mapping_of
+from budget.inputs.fields import (
+    OWN,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
+    Sign,
+    check,
+    format_row,
+    measured,
+    number,
+    rows_of,
+    table,
+)
 from budget.inputs.records import Cost, Costs, Origin
 from budget.inputs.specification import standard_size
 from budget.model.sources import SENSORS, lines_of
 from budget.names import Name
 from budget.sentences import sentence
-from budget.units import Quantity, per_root_hertz
+from budget.units import per_root_hertz
 
 if TYPE_CHECKING:
     from budget.inputs.tree import YamlFile
     from budget.model.source import Source
 
-# Their product, a (u_ref/u)^p, stays a number for every line that a device may have.
-Price = Annotated[float, Field(ge=1e-12, le=1e12, allow_inf_nan=False)]
-Power = Annotated[float, Field(ge=0.01, le=10.0, allow_inf_nan=False)]
 
-
-class CostPart(Strict):
+class CostPart(Keyed):
     """Cost of one line: a (u_ref / u)^p."""
 
-    a: Price = Field(default=1.0, description="cost at u_ref")
-    p: Power = Field(default=1.0, description="power with which the cost grows")
-    u_ref: Quantity | None = Field(
-        default=None, description="unset: the value the device has now"
-    )
+    # The product stays a number for every line that a device may have.
+    rows: ClassVar[Rows] = {
+        "a": Row(number(1e-12, 1e12, is_whole=False), "cost at u_ref", usual=1.0),
+        "p": Row(
+            number(0.01, 10.0, is_whole=False),
+            "power with which the cost grows",
+            usual=1.0,
+        ),
+        "u_ref": Row(OWN, "unset: the value the device has now"),
+    }
 
 
-class CostsBase(Strict):
+class CostsFile(Keyed):
     """Costs by line."""
-
-    format: Literal["budget-costs/1"] = "budget-costs/1"
-    costs: Strict
-
-
-def _cost_type(like: str) -> Any:  # noqa: ANN401
-    """Return the type of the cost of a line that has this unit."""
-    u_ref: Any = (
-        Annotated[Quantity, Measured(like, Sign.POSITIVE)] | None,
-        CostPart.model_fields["u_ref"],
-    )
-    return create_model(f"Cost in {like}", __base__=CostPart, u_ref=u_ref)
 
 
 @cache
@@ -63,13 +63,27 @@ def _sources() -> dict[Name, Source]:
 
 
 @cache
-def costs_file_type() -> type[CostsBase]:
-    """Return the type of a costs file, made where there is one to be read."""
-    costs: Any = mapping_of(
-        "costs by line",
-        {name: _cost_type(line.like(name.owner)) for name, line in _sources().items()},
+def costs_table() -> Kind:
+    """Return the rows of a costs file, made where there is one to be read."""
+    units = {name: line.like(name.owner) for name, line in _sources().items()}
+    u_ref = CostPart.rows["u_ref"]
+    costs: dict[str, Kind] = {
+        name: table(
+            CostPart,
+            {"u_ref": replace(u_ref, kind=measured(like, Sign.POSITIVE))},
+            f"Cost in {like}",
+        )
+        for name, like in units.items()
+    }
+    return table(
+        CostsFile,
+        {
+            "format": format_row("costs"),
+            "costs": Row(
+                table(rows=rows_of(costs), title="costs by line"), is_needed=True
+            ),
+        },
     )
-    return create_model("Costs", __base__=CostsBase, costs=(costs, ...))
 
 
 def read_costs(document: YamlFile) -> Costs:
@@ -80,11 +94,9 @@ def read_costs(document: YamlFile) -> Costs:
     SpecError
         Every issue of the file.
     """
-    model = check(document, costs_file_type())
-    parts = dict(model.costs)
-    given: dict[Name, CostPart] = {
-        name: part for name in _sources() if (part := parts.get(name)) is not None
-    }
+    model = check(document, costs_table())
+    parts = vars(model.costs)
+    given = {name: parts[name] for name in _sources() if parts[name] is not None}
     defaults = {"a": "1", "p": "1", "u_ref": "the present value"}
     return Costs(
         costs=tuple(
@@ -100,7 +112,7 @@ def read_costs(document: YamlFile) -> Costs:
             sentence("assumed.default", of=key, name=name, usual=default)
             for key, part in given.items()
             for name, default in defaults.items()
-            if name not in part.model_fields_set
+            if name not in part.given
         )
         + tuple(
             sentence("assumed.of", key=f"{key}.u_ref", text=sentence("values.density"))

@@ -3,39 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
-
-from pydantic import Field
-from pydantic_core import core_schema
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from budget.inputs.aiding import Spanned
 from budget.inputs.fields import (
-    Later,
-    Measured,
+    TIME,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
+    Rules,
     Sign,
-    Strict,
-    Time,
     fault,
+    items,
+    measured,
     not_rising,
+    or_else,
+    table,
 )
 from budget.model.course import Fading, Profile, Stretches
-from budget.units import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from pydantic import GetCoreSchemaHandler, ValidationInfo
-    from pydantic_core import CoreSchema
+    from collections.abc import Iterable
 
     from budget.inputs.records import ErrorLine
+    from budget.inputs.tree import Node
     from budget.model.course import Course
+    from budget.units import Quantity
 
 MOST_POINTS = 1000  # of a profile
 _ROUNDING = 1e-9  # of a time, relative
-Temperature = Annotated[Quantity, Measured("degC", Sign.ANY)]
-Level = Annotated[Quantity, Measured("g")]
+TEMPERATURE = measured("degC", Sign.ANY)
+LEVEL = measured("g")
 EXAMPLE = "{reference: 25 degC, profile: [[0 s, 20 degC], [600 s, 45 degC]]}"
 Faults = dict[tuple[str | int, ...], str]  # what is wrong, by the way to it
 _SHOWN = EXAMPLE.replace("{", "{{").replace("}", "}}")
@@ -57,35 +57,42 @@ class KnownCourse:
     unit: str
 
 
-class WarmUpPart(Strict):
-    """T - T0 = -by exp(-t/time), T0 the temperature of the test."""
+WARM_UP = table(
+    rows={
+        "by": Row(
+            TEMPERATURE,
+            "how far it is below that of the calibration at the start",
+            is_needed=True,
+        ),
+        "time": Row(
+            measured("s", Sign.POSITIVE),
+            "in which it comes as near as 1/e",
+            is_needed=True,
+        ),
+    },
+    title="WarmUp",
+)
 
-    by: Temperature = Field(
-        description="how far it is below that of the calibration at the start"
-    )
-    time: Annotated[Quantity, Measured("s", Sign.POSITIVE)] = Field(
-        description="in which it comes as near as 1/e"
-    )
 
-
-class TemperaturePart(Ruled):
+class TemperaturePart(Keyed):
     """A temperature that is known at every time, in place of how far it may be off."""
 
-    reference: Temperature | None = Field(
-        default=None, description="beside a profile: the temperature of the calibration"
-    )
-    profile: tuple[tuple[Time, Temperature], ...] | None = Field(
-        default=None,
-        max_length=MOST_POINTS,
-        description="points of time from the mission's start and temperature, linear "
-        "between them and constant beyond",
-    )
-    warm_up: WarmUpPart | None = Field(
-        default=None,
-        description="in place of a profile: it comes to that of the calibration",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "reference": Row(
+            TEMPERATURE, "beside a profile: the temperature of the calibration"
+        ),
+        "profile": Row(
+            items(items(TIME, TEMPERATURE), most=MOST_POINTS),
+            "points of time from the mission's start and temperature, linear "
+            "between them and constant beyond",
+        ),
+        "warm_up": Row(
+            WARM_UP,
+            "in place of a profile: it comes to that of the calibration: T - T0 = "
+            "-by exp(-t/time)",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         *(
             Rule(key, lambda it, key=key: it.warm_up and getattr(it, key), _TWICE)
             for key in ("reference", "profile")
@@ -132,7 +139,7 @@ class TemperaturePart(Ruled):
 
     def is_short(self, end: float) -> bool:
         """Say whether a profile does not reach from the start to the end [s]."""
-        points = self.profile or ()
+        points: Any = self.profile or ()
         return bool(points) and not (
             points[0][0].value == 0.0 and points[-1][0].value >= end * (1.0 - _ROUNDING)
         )
@@ -162,7 +169,7 @@ class TemperaturePart(Ruled):
 class VibrationPart(Spanned):
     """A vibration, rms, and when it is there."""
 
-    value: Level = Field(description="rms")
+    rows: ClassVar[Rows] = {"value": Row(LEVEL, "rms", is_needed=True)}
 
 
 def stretches(
@@ -187,44 +194,24 @@ def stretches(
     )
 
 
-@dataclass(frozen=True)
-class SizeOrCourse:
-    """A size, or a course in its place."""
+def or_size(course: Kind, size: Kind, keys: Iterable[str] = ()) -> Kind:
+    """Allow, beside a course, a size: a mapping with none of these keys, or a text."""
+    known = {*keys}
 
-    size: Any  # type of it
-    course: Any  # likewise
-    keys: tuple[str, ...] = ()  # of a mapping that is a course; () where it is a list
-
-    def read(
-        self,
-        value: Any,  # noqa: ANN401
-        size: Callable[[object], object],
-        info: ValidationInfo,
-    ) -> object:
-        """Return either; what is wrong with it has its place in it."""
-        if self.keys and str(value).lstrip().startswith("-"):
+    def read(node: Node, gravity: float, course: Any) -> object:  # noqa: ANN401
+        value = node.value
+        if known and str(value).lstrip().startswith("-"):
             raise fault(
                 f"found {value!r}, expected the size of the difference from the test, "
                 "1 sigma and without sign; one that is known goes under 'reference' "
                 "and 'profile', as in {reference: 25 degC, profile: [[0 s, -20 degC], "
                 "[60 s, -20 degC]]}"
             )
-        is_list = isinstance(value, list | tuple)
-        if (isinstance(value, dict) and value.keys() & self.keys) or (
-            is_list and not self.keys
-        ):
-            return Later(lambda: self.course).read(value, info)
-        return size(value)
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either, and how to describe both."""
-        size = handler.generate_schema(self.size)
-        both = [size, handler.generate_schema(self.course)]
-        return core_schema.json_or_python_schema(
-            json_schema=core_schema.union_schema(both),  # type: ignore[arg-type]
-            python_schema=core_schema.with_info_wrap_validator_function(
-                self.read, size
-            ),
+        is_course = (
+            isinstance(value, dict) and bool(value.keys() & known)
+            if known
+            else isinstance(value, tuple)
         )
+        return course(node, gravity) if is_course else size.read(node, gravity)
+
+    return or_else(course, read, size)

@@ -3,30 +3,38 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, partial
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from functools import cache
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from pydantic import Field, create_model
 
 from budget.errors import UnitError
 from budget.inputs.changes import NOMINAL, apply, tell_changes
-from budget.inputs.checking import check, nearest
+from budget.inputs.checking import nearest
 from budget.inputs.fields import (
-    Later,
-    LongText,
-    Measured,
+    LONG_TEXT,
+    OWN,
+    TEXT,
+    TRUTH,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Strict,
     by_axis,
-    mapping_of,
+    by_name,
+    check,
+    format_row,
+    items,
+    measured,
     per_axis,
+    rows_of,
+    table,
 )
 from budget.inputs.makers import density_of, printed_as
-from budget.inputs.ranges import IS, RANGES, TYPES, read_range
+from budget.inputs.ranges import IS, OF_SENSOR, RANGES, read_range
 from budget.inputs.records import (
     ANGLES,
     AXES,
@@ -40,7 +48,7 @@ from budget.inputs.specification import (
     OVER_TEMPERATURE,
     read_value,
     time_in,
-    value_type,
+    value_of,
 )
 from budget.inputs.tree import all_of, describe, merge, put
 from budget.model.sources import (
@@ -58,13 +66,12 @@ from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY, Quantity, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from budget.inputs.changes import Override
     from budget.inputs.makers import Density
     from budget.inputs.specification import ReadValue
     from budget.inputs.tree import Node, YamlFile
-    from budget.model.source import Source
 
 PLAUSIBLE_GRAVITY = (9.5, 10.5)  # what a maker may mean by g [m/s^2]
 PLAUSIBLE = " to ".join(map(str, PLAUSIBLE_GRAVITY))
@@ -81,27 +88,20 @@ _BASE_ONLY = ("format", "abstract", "variants")
 TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "notes")
 
 
-class UnusedEntry(Strict):
-    """A value that the maker prints and no model uses."""
+UNUSED = table(
+    rows={
+        "name": Row(TEXT, is_needed=True),
+        "value": Row(TEXT, "as printed, with its unit", is_needed=True),
+        **dict.fromkeys(("condition", "meaning", "source"), Row(TEXT, usual="")),
+    },
+    title="UnusedEntry",
+)
 
-    name: ShortText
-    value: ShortText = Field(description="as printed, with its unit")
-    condition: ShortText = ""
-    meaning: ShortText = ""
-    source: ShortText = ""
 
-
-class SensorPart(Ruled):
+class SensorPart(Keyed):
     """One triad of gyros or accelerometers."""
 
-    nominal: Strict | None = Field(
-        default=None, description="true values that the errors are added to; unset: 0"
-    )
-    errors: Strict | None = Field(
-        default=None, description="the lines of the data sheet"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rules: ClassVar[Rules] = (
         Rule(
             ("errors", "flicker"),
             lambda it: it.counts("flicker") and it.line("bias_stability"),
@@ -172,62 +172,57 @@ class SensorPart(Ruled):
         return found
 
 
-def _later(line: Source, sensor: str) -> Any:  # noqa: ANN401
-    """Return what stands for the type of a line until a file has that line."""
-    return Annotated[Any, Later(partial(value_type, line, sensor))]
-
-
-def _sensor_type(sensor: str, type_of: Callable[[Source, str], Any]) -> Any:  # noqa: ANN401
-    """Return the type of a sensor, from the table of model lines."""
+def _sensor(sensor: str) -> Kind:
+    """Return what a file may say of one triad, of the table of model lines."""
     lines = lines_of(sensor)
-    nominal = mapping_of(
-        f"{sensor} nominal",
-        {
-            "bias": per_axis(lines[0].like(sensor), AXES, Sign.ANY),
-            "mounting_angle": per_axis("arcsec", ANGLES, Sign.ANY),
-        },
-    )
-    errors = mapping_of(
-        f"{sensor} errors",
-        {line.name: type_of(line, sensor) for line in lines},
-        {line.name: f"{line.model}; {printed_as(line.name)}" for line in lines}
-        if type_of is value_type  # to describe it
-        else {},
-    )
-    types: dict[str, Any] = {
-        "range": (TYPES[sensor] | None, Field(default=None, description=IS)),
-        "nominal": (nominal | None, SensorPart.model_fields["nominal"]),
-        "errors": (errors | None, SensorPart.model_fields["errors"]),
+    nominal = {
+        "bias": per_axis(lines[0].like(sensor), AXES, Sign.ANY),
+        "mounting_angle": per_axis("arcsec", ANGLES, Sign.ANY),
     }
-    return create_model(sensor, __base__=SensorPart, **types)
+    errors = {
+        line.name: Row(value_of(line, sensor), f"{line.model}; {printed_as(line.name)}")
+        for line in lines
+    }
+    return table(
+        SensorPart,
+        {
+            "nominal": Row(
+                table(rows=rows_of(nominal), title=f"{sensor} nominal"),
+                "true values that the errors are added to; unset: 0",
+            ),
+            "errors": Row(
+                table(rows=errors, title=f"{sensor} errors"),
+                "the lines of the data sheet",
+            ),
+            "range": Row(OF_SENSOR[sensor], IS),
+        },
+        sensor,
+    )
 
 
-class Sheet(Ruled):
+class Sheet(Keyed):
     """What a device file says, and what a variant may override."""
 
-    name: ShortText | None = None
-    source: ShortText = Field(default="", description="the document it is from")
-    vendor: ShortText = ""
-    technology: ShortText = Field(default="", description="FOG, RLG, MEMS, ...")
-    price: ShortText = ""
-    mass: ShortText = ""
-    power: ShortText = ""
-    range: RANGES | None = Field(
-        default=None, description=f"of each sensor, or under it: {IS}"
-    )
-    notes: LongText = ""
-    gravity_unit: (
-        Annotated[Quantity, Measured("m/s^2", Sign.POSITIVE, bare=True)] | None
-    ) = Field(
-        default=None, description="what g means in this file; unset: 9.80665 m/s^2"
-    )
-    gyro: SensorPart | None = None
-    accelerometer: SensorPart | None = None
-    figures: tuple[UnusedEntry, ...] = Field(
-        default=(), description="specification values that no model uses, as text"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "name": Row(TEXT),
+        "source": Row(TEXT, "the document it is from", usual=""),
+        "vendor": Row(TEXT, usual=""),
+        "technology": Row(TEXT, "FOG, RLG, MEMS, ...", usual=""),
+        **dict.fromkeys(("price", "mass", "power"), Row(TEXT, usual="")),
+        "range": Row(RANGES, f"of each sensor, or under it: {IS}"),
+        "notes": Row(LONG_TEXT, usual=""),
+        "gravity_unit": Row(
+            measured("m/s^2", Sign.POSITIVE, bare=True),
+            "what g means in this file; unset: 9.80665 m/s^2",
+        ),
+        **dict.fromkeys(SENSORS, Row(OWN)),
+        "figures": Row(
+            items(UNUSED),
+            "specification values that no model uses, as text",
+            usual=(),
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "gravity_unit",
             lambda it: it.gravity_unit and not _is_plausible(it.gravity_unit.value),
@@ -239,17 +234,15 @@ class Sheet(Ruled):
 class Base(Sheet):
     """The base of a device file, with its variants."""
 
-    format: Literal["budget-device/1"] = "budget-device/1"
-    name: ShortText
-    abstract: bool = Field(default=False, description="true: only the variants count")
-    variants: dict[ShortText, Sheet] = Field(
-        default={}, description="overrides by name, chosen as FILE#NAME"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "format": format_row("device"),
+        "name": Row(TEXT, is_needed=True),
+        "abstract": Row(TRUTH, "true: only the variants count", usual=False),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             (),
-            lambda it: it.model_fields_set.isdisjoint(SENSORS),
+            lambda it: it.given.isdisjoint(SENSORS),
             "has no sensor, expected gyro, accelerometer or both",
         ),
         *(
@@ -277,25 +270,16 @@ class Base(Sheet):
     )
 
 
-def _file_type(type_of: Callable[[Source, str], Any]) -> type[Base]:
-    """Return the type of a device file, with that type of every line."""
-    sensors: dict[str, Any] = {
-        sensor: (_sensor_type(sensor, type_of) | None, None) for sensor in SENSORS
-    }
-    variant = create_model("Variant", __base__=Sheet, **sensors)
-    variants: Any = (dict[ShortText, variant], Base.model_fields["variants"])  # type: ignore[valid-type]
-    return create_model("Device", __base__=Base, variants=variants, **sensors)
-
-
 @cache
-def device_file_type() -> type[Base]:
-    """Return the type of a device file, made where there is one to be read."""
-    return _file_type(_later)
-
-
-def whole_file_type() -> type[Base]:
-    """Return the type of a device file with those of all lines, to describe it."""
-    return _file_type(value_type)
+def device_table() -> Kind:
+    """Return the rows of a device file, made where there is one to be read."""
+    sensors = {sensor: Row(_sensor(sensor)) for sensor in SENSORS}
+    variants = Row(
+        by_name(table(Sheet, sensors, "Variant")),
+        "overrides by name, chosen as FILE#NAME",
+        usual={},
+    )
+    return table(Base, {**sensors, "variants": variants}, "Device")
 
 
 def variant_names(document: YamlFile) -> tuple[str, ...]:
@@ -325,7 +309,7 @@ def read_device(
     for change in changes:
         root = apply(root, change)
     changed = tell_changes(printed, root, changes)
-    sheet = check(document, device_file_type(), root=root, gravity=_gravity(root))
+    sheet = check(document, device_table(), root=root, gravity=_gravity(root))
     name = f"{sheet.name} ({variant})" if variant else sheet.name
     name = f"{name}{CHANGED}" if changed else name
     sensors: dict[str, Sensor] = {}
@@ -340,7 +324,7 @@ def read_device(
             sensors[kind],
             device=name,
             gravity_unit=_gravity(root),
-            **({} if own is None else vars(read_range(own))),
+            **({} if own is None else read_range(own)),
         )
         assumptions += said
     return Device(
@@ -488,6 +472,6 @@ def _read_sensor(
 
 def _nominal(part: SensorPart, key: str, axes: tuple[str, ...]) -> dict[str, float]:
     """Return the nominal values of the axes that a file names [SI]."""
-    value: Quantity | Strict | None = getattr(part.nominal, key, None)
+    value: Quantity | Keyed | None = getattr(part.nominal, key, None)
     named = {} if value is None else by_axis(value, axes)
     return {axis: quantity.value for axis, quantity in named.items()}

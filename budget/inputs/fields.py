@@ -1,74 +1,522 @@
-"""Types of the values in a file: quantities, texts, one value or one per axis."""
+"""Fields of files: rows of keys, kinds of values, and the reader of both with places.
+
+What a mapping in a file may hold is a table of rows: a key, the kind of its value, what
+it means, what stands for it where the file has none. Kinds are quantities with their
+unit and sign, words, numbers, texts, lists, mappings, and what may stand in their
+place. One reader reads them all, each fault at its place and in our words; the JSON
+Schema and `budget new` are made of the same rows. What parts of a mapping do not go
+together are rules.
+"""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, TypeVar, cast
-
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    TypeAdapter,
-    create_model,
-    model_validator,
-)
-from pydantic_core import (
-    CoreSchema,
-    InitErrorDetails,
-    PydanticCustomError,
-    ValidationError,
-    core_schema,
-)
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from budget.errors import UnitError
-from budget.inputs.tree import describe
+from budget.inputs.checking import bracketed, mended, see, slip
+from budget.inputs.makers import MEANINGS
+from budget.inputs.tree import START, Node, all_of, describe
 from budget.units import NUMBER, STANDARD_GRAVITY, Quantity, kind_of, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
-    from pydantic.json_schema import JsonSchemaValue
+    from budget.errors import Issue
+    from budget.inputs.tree import Steps, YamlFile
+
+Schema = dict[str, Any]  # a JSON Schema, or a part of one
+Schemas = dict["Table", Schema]  # of mappings
+Read = Callable[[Node, float], Any]
+KEY = "[key]"  # last of a way: the key there, not its value
 
 
-Path = TypeVar("Path", bound=tuple[str | int, ...])  # keys and places in a list
-_BREAK = re.compile(r"[\t\n\r]")
+class Fault(NamedTuple):
+    """What is wrong with a value, and the way to it."""
+
+    way: Steps
+    says: str
+    is_usual: bool = False  # of every kind of value: makers' words are no help there
 
 
-class Strict(BaseModel):
-    """A mapping with known keys; nothing is converted in silence."""
+USUAL = True
 
-    # Most are parts of others, or of files that a command does not read: each is built
-    # where it is first asked.
-    model_config = ConfigDict(
-        extra="forbid", strict=True, frozen=True, defer_build=True
+
+class Faults(ValueError):  # noqa: N818 - several
+    """What is wrong with values, each by the way to it."""
+
+    def __init__(self, *found: Fault) -> None:
+        self.found = found
+
+    def under(self, *steps: str | int) -> Iterator[Fault]:
+        """Yield the faults as they are of the value at these steps."""
+        return (one._replace(way=(*steps, *one.way)) for one in self.found)
+
+
+def fault(says: str) -> Faults:
+    """Return the error of one value."""
+    return Faults(Fault((), says))
+
+
+def faults(messages: Mapping[Any, str]) -> Faults:
+    """Return the errors of several values, named by their way in the mapping."""
+    return Faults(*(Fault(way, says) for way, says in messages.items()))
+
+
+def found_else(node: Node, expected: str) -> Faults:
+    """Return the error of a value in the place of which another is expected."""
+    is_number = isinstance(node.value, int | float)
+    found = node.written if is_number else describe(node.value)
+    return Faults(Fault((), f"found {found}, {expected}", USUAL))
+
+
+def node_of(value: Any, path: str = "") -> Node:  # noqa: ANN401 - plain values
+    """Return a value as a file would have it."""
+    if isinstance(value, Mapping):
+        known: Any = {key: node_of(one, f"{path}.{key}") for key, one in value.items()}
+    elif isinstance(value, list | tuple):
+        known = tuple(node_of(one, f"{path}[{k}]") for k, one in enumerate(value))
+    else:
+        known = value
+    written = str(value) if known is value else ""
+    return Node(value=known, written=written, path=path, at=START, key=START)
+
+
+def check(
+    document: YamlFile,
+    kind: Kind,
+    *,
+    root: Node | None = None,
+    gravity: float = STANDARD_GRAVITY,
+) -> Any:  # noqa: ANN401 - by the kind
+    """Read a file's nodes into a mapping; `g` means `gravity` [m/s^2] in it.
+
+    `root` stands for the file's own: a variant laid over the base.
+
+    Raises
+    ------
+    SpecError
+        Something is wrong with the file; every issue of it.
+    """
+    root = root or document.root
+    found: tuple[Fault, ...] = ()
+    try:
+        read = kind.read(root, gravity)
+    except Faults as error:
+        found = error.found
+    if not found and not document.issues:
+        return read
+    # What is no sound YAML has its issue already, and no value for a row.
+    known = {(issue.line, issue.column) for issue in document.issues}
+    new = [_issue(document, root, one) for one in found]
+    raise all_of(
+        [*document.issues, *(x for x in new if (x.line, x.column) not in known)]
     )
 
 
-def fault(message: str) -> PydanticCustomError:
-    """Return the error of one value, in our own words."""
-    # The message is a parameter: braces in it are text, not places to fill.
-    return PydanticCustomError("budget", "{message}", {"message": message})
+def _issue(document: YamlFile, root: Node, one: Fault) -> Issue:
+    """Return a fault as an issue at its place in the file."""
+    on_key = one.way[-1:] == (KEY,)
+    steps = one.way[:-1] if on_key else one.way
+    hint = "" if one.is_usual or "expected" not in one.says else see(steps)
+    return document.issue(root.nearest(steps), one.says + hint, on_key=on_key)
 
 
-KEY = "[key]"  # last of a path: the key there, as pydantic says it too
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """One kind of value.
+
+    Attributes
+    ----------
+    read : callable
+        Returns what a node says, `g` of so much [m/s^2]; raises Faults.
+    schema : callable or Schema
+        JSON Schema, of those of the mappings in it, to which it may add.
+    tables : tuple of Table
+        The mappings that stand right in it.
+    allowed : tuple of str
+        Words that it may be, where it is one of some.
+    beside : callable, optional
+        The kind that it is in a mapping, of the node of that.
+    """
+
+    read: Read = field(default=lambda *_: None)
+    schema: Callable[[Schemas], Schema] | Schema = field(default_factory=dict)
+    tables: tuple[Table, ...] = ()
+    allowed: tuple[str, ...] = ()
+    beside: Callable[[Node], Kind] | None = None
+
+    def described(self, tables: Schemas) -> Schema:
+        """Return the JSON Schema; those of mappings go to `tables`, by their names."""
+        return self.schema(tables) if callable(self.schema) else self.schema
 
 
-def faults(messages: Mapping[Path, str]) -> ValidationError:
-    """Return the errors of several values, named by their path in the mapping."""
-    return ValidationError.from_exception_data(
-        "budget",
-        [
-            InitErrorDetails(type=fault(message), loc=path, input=None)
-            for path, message in messages.items()
-        ],
+OWN = Kind()  # that each of several types has
+
+
+class Sign(Enum):
+    """Which values a quantity may take."""
+
+    ANY = "any"
+    NOT_NEGATIVE = "not negative"
+    POSITIVE = "positive"
+
+
+@cache
+def measured(
+    like: str,
+    sign: Sign = Sign.NOT_NEGATIVE,
+    *,
+    bare: bool = False,
+    both: bool = False,
+) -> Kind:
+    """Return the kind of a text with a number and a unit, read into a Quantity.
+
+    Parameters
+    ----------
+    like : str
+        A unit of the quantity, the most usual one.
+    sign : Sign
+    bare : bool
+        Whether a number without a unit means that unit to most people here.
+    both : bool
+        Whether it is both ends of a range: '±300 deg/s' is 300 deg/s.
+    """
+    kind = kind_of(like)
+    number = NUMBER if sign is Sign.ANY else NUMBER.replace("[+-]", r"\+", 1)
+
+    def read(node: Node, gravity: float) -> Quantity:
+        value = node.value
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            expected = f"expected {kind.name} with its unit, such as '1 {like}'"
+            raise fault(f"found {describe(value)}, {expected}")
+        text = str(value).removeprefix("±" if both else "")
+        try:
+            quantity = parse_quantity(
+                text, like, gravity=gravity, bare=like if bare else ""
+            )
+        except UnitError as error:
+            raise fault(str(error)) from None
+        low = quantity.value < 0.0 or (quantity.value == 0.0 and sign is Sign.POSITIVE)
+        if low and sign is not Sign.ANY:
+            raise fault(f"found {value!r}, expected {kind.name} that is {sign.value}")
+        return quantity
+
+    return Kind(
+        read,
+        {
+            "type": "string",
+            "pattern": rf"^{'±?' * both}{number}\s*[^\s0-9.,:_+-].*$",
+            "description": f"{kind.name}: a number and its unit",
+            "examples": [f"1 {unit}" for unit in dict.fromkeys((like, *kind.units))],
+        },
     )
+
+
+TIME = measured("s", bare=True)
+SPAN = measured("s", Sign.POSITIVE, bare=True)
+ANGLE = measured("deg", Sign.ANY)
+
+
+def one_of(
+    *allowed: str, meant: Mapping[str, str] | None = None, hint: str = ""
+) -> Kind:
+    """Return the kind of some words, in any capitals, or other spellings of them.
+
+    The hint stands after what is expected.
+    """
+    other = meant or {}
+    by_lower = {word.lower(): word for word in allowed}
+
+    def read(node: Node, _: float) -> str:
+        word = other.get(node.written) or by_lower.get(node.written.lower())
+        if word is None or isinstance(node.value, dict | tuple):
+            *first, last = map(repr, allowed)
+            either = f"{', '.join(first)} or {last}" if first else last
+            raise found_else(
+                node, f"expected {either}{slip(node.written, allowed)}{hint}"
+            )
+        return word
+
+    every = [*dict.fromkeys((*allowed, *other))]
+    choice = {"enum": every} if allowed[1:] else {"const": every[0]}
+    return Kind(read, {"type": "string", **choice}, allowed=allowed)
+
+
+def meaning(*allowed: str, meant: Mapping[str, str] | None = None) -> Kind:
+    """Return the kind of what a value may mean, of which a page tells."""
+    return one_of(*allowed, meant=meant, hint=f"; what makers mean: {MEANINGS}")
+
+
+def number(least: float = -inf, most: float = inf, *, is_whole: bool = True) -> Kind:
+    """Return the kind of a number without a unit, within bounds; or a whole one."""
+    like = "a whole number, such as 1" if is_whole else "a number, such as 1.5"
+
+    def read(node: Node, _: float) -> float:
+        value: Any = node.value
+        if isinstance(value, bool) or not isinstance(
+            value, int if is_whole else int | float
+        ):
+            raise found_else(node, f"expected {like}{mended(node)}")
+        for is_wrong, expected in (
+            (not isfinite(value), "a finite number"),
+            (value < least, f"{least} or more"),
+            (value > most, f"{most} or less"),
+        ):
+            if is_wrong:
+                raise found_else(node, f"expected {expected}")
+        return int(value) if is_whole else float(value)
+
+    bounds = {"minimum": least, "maximum": most}
+    return Kind(
+        read,
+        {
+            "type": "integer" if is_whole else "number",
+            **{key: one for key, one in bounds.items() if isfinite(one)},
+        },
+    )
+
+
+def _read_truth(node: Node, _: float) -> bool:
+    """Read true or false."""
+    if not isinstance(node.value, bool):
+        raise found_else(node, f"expected true or false{mended(node, is_truth=True)}")
+    return node.value
+
+
+TRUTH = Kind(_read_truth, {"type": "boolean"})
+
+
+def text(most: int, *wrong: tuple[Callable[[str], object], str]) -> Kind:
+    """Return the kind of a text of so many characters; what is wrong, and its words."""
+
+    def read(node: Node, _: float) -> str:
+        value = node.value
+        if not isinstance(value, str):
+            raise found_else(node, "expected text; put it in quotes")
+        if len(value) > most:
+            raise found_else(node, f"expected at most {most} characters")
+        for is_wrong, says in wrong:
+            if is_wrong(value):
+                raise fault(says)
+        return value
+
+    return Kind(read, {"type": "string", "maxLength": most})
+
+
+_BROKEN = re.compile(r"[\t\n\r]").search, "has a tab or a line break, expected one line"
+_BLANK = re.compile(r"\s*").fullmatch, "is blank, expected text; or remove the key"
+TEXT, LONG_TEXT = text(200, _BROKEN, _BLANK), text(4000, _BLANK)
+
+
+def items(
+    *kinds: Kind,
+    least: int = 0,
+    most: int | None = None,
+    alone: bool = False,
+    lacks: tuple[str, ...] = (),
+    many: str = "",
+) -> Kind:
+    """Return the kind of a list of values of one kind; of several, one of each.
+
+    Parameters
+    ----------
+    *kinds : Kind
+    least, most : int
+        How many; None: any number.
+    alone : bool
+        Whether one item may stand in the place of a list of one.
+    lacks : tuple of str
+        Of items that are mappings, of which a value is no item: the key that it would
+        have, and what an item has to say more.
+    many : str
+        What is said of too many, with their {number}.
+    """
+    (kind, *others), fixed = kinds, len(kinds) if kinds[1:] else 0
+    tables = () if others else kind.tables
+    largest = fixed or most
+
+    def read(node: Node, gravity: float) -> tuple[Any, ...]:
+        value = node.value
+        if lacks and isinstance(value, str | int | float) and value is not True:
+            raise fault(
+                f"found {describe(value)} alone, expected more beside the value: "
+                f"{{{lacks[0]}: {value}, {lacks[1]}}}"
+            )
+        if alone and isinstance(value, dict if tables else str):
+            value = (node,)
+        if not isinstance(value, tuple):
+            hint = bracketed(node, of_mappings=bool(tables))
+            raise found_else(node, f"expected a list in brackets{hint}")
+        size = f"has {len(value)} items, expected"
+        if largest is not None and len(value) > largest:
+            if many:
+                raise fault(many.format(number=len(value)))
+            raise found_else(node, f"{size} {largest} at the most")
+        absent = (
+            Fault((place,), f"item {place + 1} is missing, expected it here", USUAL)
+            for place in range(len(value), fixed)
+        )
+        each = kinds if fixed else (kind,) * len(value)
+        found = _read_all(
+            zip(range(len(value)), each, value, strict=False), gravity, *absent
+        )
+        if len(value) < least:
+            raise found_else(node, f"{size} {least} or more")
+        return tuple(found.values())
+
+    def schema(tables: Schemas) -> Schema:
+        every = [one.described(tables) for one in kinds]
+        of_list = {
+            "type": "array",
+            **({"prefixItems": every} if fixed else {"items": every[0]}),
+            **given_of({"minItems": fixed or least or None, "maxItems": largest}),
+        }
+        return {"anyOf": [every[0], of_list]} if alone else of_list
+
+    return Kind(read, schema, tables)
+
+
+def by_name(kind: Kind, name: Kind = TEXT) -> Kind:
+    """Return the kind of a mapping of the user's names, each to a value of one kind."""
+
+    def read(node: Node, gravity: float) -> dict[str, Any]:
+        if not isinstance(node.value, dict):
+            raise found_else(node, "expected a mapping of keys")
+        wrong: list[Fault] = []
+        for key in node.value:
+            try:
+                name.read(node_of(key), gravity)
+            except Faults as error:
+                wrong += error.under(key, KEY)
+        each = ((key, kind, one) for key, one in node.value.items())
+        return _read_all(each, gravity, *wrong)
+
+    return Kind(
+        read,
+        lambda tables: {
+            "type": "object",
+            "propertyNames": name.described(tables),
+            "additionalProperties": kind.described(tables),
+        },
+        kind.tables,
+    )
+
+
+def _read_all(
+    nodes: Iterable[tuple[Any, Kind, Node]], gravity: float, *wrong: Fault
+) -> dict[Any, Any]:
+    """Read the values in a list or a mapping; raises what is wrong with all of them."""
+    found, every = {}, [*wrong]
+    for step, kind, node in nodes:
+        try:
+            found[step] = kind.read(node, gravity)
+        except Faults as error:
+            every += error.under(step)
+    if every:
+        raise Faults(*every)
+    return found
+
+
+def or_else(
+    kind: Kind, read: Callable[[Node, float, Read], Any], *others: Kind | Schema
+) -> Kind:
+    """Return a kind of value with what a file may write in its place.
+
+    It is read of a node, of gravity and of what reads the kind; `others`, for the JSON
+    Schema, are what may stand there.
+    """
+
+    def schema(tables: Schemas) -> Schema:
+        every = [
+            one.described(tables) if isinstance(one, Kind) else one
+            for one in (*others, kind)
+        ]
+        return {"anyOf": every} if others else every[0]
+
+    return replace(
+        kind, read=lambda node, gravity: read(node, gravity, kind.read), schema=schema
+    )
+
+
+def or_text(mapping: Kind, size: Kind, besides: str = "") -> Kind:
+    """Allow, beside a mapping, a text that says one quantity for all of it.
+
+    Where it has to say more besides, the text is read to say what is wrong with it.
+    """
+
+    def read(node: Node, gravity: float, own: Read) -> Any:  # noqa: ANN401 - either
+        if isinstance(node.value, dict):
+            return own(node, gravity)
+        found = size.read(node, gravity)
+        if besides:
+            raise fault(
+                f"found {describe(node.value)} alone, expected more beside the value: "
+                f"{{value: {node.value}, {besides}}}"
+            )
+        return found
+
+    return or_else(mapping, read, *(() if besides else (size,)))
+
+
+def given_of(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what is given, of a mapping of what may be."""
+    return {key: value for key, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One key that a mapping may have.
+
+    Attributes
+    ----------
+    kind : Kind
+        Of its value.
+    says : str
+        What it means; of what stands for it where the file has none, too.
+    usual : object
+        What stands for it, as a file would write it; None: nothing.
+    is_needed : bool
+        Whether it must be there.
+    """
+
+    kind: Kind
+    says: str = ""
+    usual: object = None
+    is_needed: bool = False
+
+    @cached_property
+    def default(self) -> object:
+        """What stands for it, read."""
+        if self.usual in (None, "", (), False):
+            return self.usual
+        return self.kind.read(node_of(self.usual), STANDARD_GRAVITY)
+
+    def schema(self, tables: Schemas) -> Schema:
+        """Return the JSON Schema of its value."""
+        found = self.kind.described(tables)
+        usual = self.usual if self.usual not in (None, "", (), {}) else None
+        shown = list(usual) if isinstance(usual, tuple) else usual
+        return found | given_of({"description": self.says or None, "default": shown})
+
+
+Rows = Mapping[str, Row]
+
+
+def rows_of(kinds: Mapping[str, Kind], says: Mapping[str, str] | None = None) -> Rows:
+    """Return rows of keys that may all be left out."""
+    return {key: Row(kind, (says or {}).get(key, "")) for key, kind in kinds.items()}
+
+
+def format_row(kind: str) -> Row:
+    """Return the row of the key that says which version of a file it is."""
+    return Row(one_of(f"budget-{kind}/1"), usual=f"budget-{kind}/1")
 
 
 @dataclass(frozen=True)
@@ -94,15 +542,18 @@ class Rule:
         """The way to what it is said of."""
         return (self.at,) if isinstance(self.at, str) else self.at
 
-    def found(self, mapping: BaseModel) -> str:
+    def found(self, mapping: Keyed) -> str:
         """Return what is said of a mapping that breaks it."""
         return self.says.format_map(_Printed(mapping))
+
+
+Rules = tuple[Rule, ...]
 
 
 class _Printed(dict[str, object]):
     """What a mapping has under its keys, as its file prints it."""
 
-    def __init__(self, mapping: BaseModel) -> None:
+    def __init__(self, mapping: Keyed) -> None:
         self.mapping = mapping
 
     def __missing__(self, key: str) -> object:
@@ -110,42 +561,153 @@ class _Printed(dict[str, object]):
         return getattr(value, "printed", value)
 
 
-class Ruled(Strict):
-    """A mapping whose parts have to go together."""
+class Keyed:
+    """A mapping with known keys, read: an attribute of each, and which were given.
 
-    rules: ClassVar[tuple[Rule, ...]] = ()  # of one key the first that is broken counts
+    `rows` are those of a type and of the types that it is made of, `rules` likewise: of
+    one key the first that is broken counts.
+    """
 
-    @model_validator(mode="after")
-    def _check_rules(self) -> Self:
+    rows: ClassVar[Rows] = {}
+    rules: ClassVar[Rules] = ()
+    every_rule: ClassVar[Rules] = ()  # before those of its bases, from the last on
+    given: frozenset[str]
+    if TYPE_CHECKING:
+
+        def __getattr__(self, key: str) -> Any: ...  # noqa: ANN401, D105 - of its rows
+
+    __slots__ = ("__dict__", "given")
+
+    def __init_subclass__(cls) -> None:
+        """Put together the rows of the types that it is made of."""
+        own = vars(cls).get("rows", {})
+        cls.rows = {
+            key: row for base in cls.__bases__[::-1] for key, row in _rows(base).items()
+        } | own
+        every = [vars(one).get("rules", ()) for one in cls.__mro__]
+        cls.every_rule = tuple(rule for rules in every for rule in rules)[::-1]
+
+    def __init__(self, values: Mapping[str, object], given: Iterable[str]) -> None:
+        """Take the values of all rows, and the keys of those that were given."""
+        vars(self).update(values)
+        self.given = frozenset(given)
+
+    @classmethod
+    def of(cls, **given: object) -> Self:
+        """Return one of which this is given."""
+        usual = {key: row.default for key, row in cls.rows.items()}
+        return cls(usual | given, given)
+
+    def but(self, **other: object) -> Self:
+        """Return another with other values."""
+        return type(self)(vars(self) | other, self.given | other.keys())
+
+    def broken(self) -> dict[Any, str]:
+        """Return what is wrong with it as a whole, by the way to it."""
         broken = [rule for rule in self._rules() if rule.wrong(self)]
         found = {rule.way: rule.found(self) for rule in broken} | self._faults()
-        if found:
-            raise faults(found)
-        return self
+        return found or self._faults_of_whole()
 
     def _rules(self) -> tuple[Rule, ...]:
         """Return the rules of its type, those that count most at the end."""
-        return _rules_of(type(self))
+        return self.every_rule
 
     def _faults(self) -> dict[Any, str]:
-        """Return what is wrong with it besides, by its path in the mapping."""
+        """Return what is wrong with it besides, by its way in the mapping."""
+        return {}
+
+    def _faults_of_whole(self) -> dict[Any, str]:
+        """Return what is wrong with it where nothing else is; may raise it as well."""
         return {}
 
 
-@cache
-def _rules_of(kind: type[Ruled]) -> tuple[Rule, ...]:
-    """Return the rules of a type before them those of the types it is made of."""
-    every = [vars(one).get("rules", ()) for one in kind.__mro__]
-    return tuple(rule for rules in every for rule in rules)[::-1]
+def _rows(base: type) -> Rows:
+    """Return the rows of a type, where it has any."""
+    return base.rows if issubclass(base, Keyed) else {}
 
 
-class FieldGroup(Ruled):
+class Table:
+    """A mapping of one type; of other rows than its type has where they are given."""
+
+    def __init__(
+        self, record: type = Keyed, rows: Rows | None = None, title: str = ""
+    ) -> None:
+        self.record = record
+        self.rows = {**_rows(record), **(rows or {})}
+        self.title = re.sub("[^A-Za-z]+", "_", title or record.__name__)
+        self.needed = [key for key, row in self.rows.items() if row.is_needed]
+
+    def read(self, node: Node, gravity: float) -> Any:  # noqa: ANN401 - the record
+        """Return the mapping; raises what is wrong with its values, else as a whole."""
+        if not isinstance(node.value, dict):
+            raise found_else(node, "expected a mapping of keys")
+        strange = [
+            Fault((key, KEY), self._unknown(key), USUAL)
+            for key in node.value
+            if key not in self.rows
+        ]
+        absent = [
+            Fault((key,), f"{key!r} is missing, expected it here", USUAL)
+            for key in self.needed
+            if key not in node.value
+        ]
+        # What has no value is an issue of the document already.
+        there = (
+            (key, row.kind.beside(node) if row.kind.beside else row.kind, one)
+            for key, one in node.value.items()
+            if (row := self.rows.get(key))
+            and (one.value is not None or row.usual or row.is_needed)
+        )
+        read = _read_all(there, gravity, *strange, *absent)
+        given = dict.fromkeys(node.value) | read
+        values = {key: given.get(key, row.default) for key, row in self.rows.items()}
+        if not issubclass(self.record, Keyed):
+            return self.record(**values)
+        found = self.record(values, given)
+        if wrong := found.broken():
+            raise faults(wrong)
+        return found
+
+    def _unknown(self, key: str) -> str:
+        """Say that there is no such key, which one may be meant, or where it is."""
+        allowed = tuple(self.rows)
+        owners = [
+            own
+            for own, row in self.rows.items()
+            if any(key in one.rows for one in row.kind.tables)
+        ]
+        inside = f"; it stands under {owners[0]!r}" if len(owners) == 1 else ""
+        hint = slip(key, allowed) or inside
+        return f"unknown key {describe(key)}, allowed: {', '.join(allowed)}{hint}"
+
+    def schema(self, tables: Schemas) -> Schema:
+        """Return a reference to its own, which goes to the tables."""
+        if self not in tables:
+            names = {one["title"] for one in tables.values()}
+            own = tables[self] = {"title": self.title + "_" * (self.title in names)}
+            own |= {
+                "type": "object",
+                "description": (self.record.__doc__ or "").partition("\n")[0],
+                "properties": {
+                    key: row.schema(tables) for key, row in self.rows.items()
+                },
+                "additionalProperties": False,
+                "required": self.needed,
+            }
+        return {"$ref": f"#/$defs/{tables[self]['title']}"}
+
+
+def table(record: type = Keyed, rows: Rows | None = None, title: str = "") -> Kind:
+    """Return the kind of a mapping; as of Table."""
+    own = Table(record, rows, title)
+    return Kind(own.read, own.schema, (own,))
+
+
+class FieldGroup(Keyed):
     """Beside a line that may be repeated, a group of lines that is, as a whole."""
 
     key: ClassVar[str]  # of the lines of a group
     of_all: ClassVar[tuple[str, ...]] = ()  # keys that a group says of all its lines
-    if TYPE_CHECKING:
-        repeat: int
 
     @property
     def is_group(self) -> bool:
@@ -166,7 +728,7 @@ class FieldGroup(Ruled):
         """Return what is wrong with a group."""
         if not self.is_group:
             return super()._faults()
-        others = self.model_fields_set - {self.key, "repeat", *self.of_all}
+        others = self.given - {self.key, "repeat", *self.of_all}
         found: dict[Any, str] = {
             (key,): f"stands beside a group of {self.key}; say it in its lines"
             for key in sorted(others)
@@ -178,9 +740,8 @@ class FieldGroup(Ruled):
     def number(self) -> int:
         """How many it stands for."""
         if not self.is_group:
-            return cast("int", super().number)  # type: ignore[misc]
-        number: int = sum(line.number for line in self.lines)
-        return self.repeat * number
+            return int(super().number)  # type: ignore[misc]
+        return int(self.repeat * sum(line.number for line in self.lines))
 
 
 def not_rising(
@@ -198,259 +759,16 @@ def not_rising(
     }
 
 
-class Sign(Enum):
-    """Which values a quantity may take."""
-
-    ANY = "any"
-    NOT_NEGATIVE = "not negative"
-    POSITIVE = "positive"
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A text with a number and a unit of one kind, read into a Quantity."""
-
-    like: str
-    sign: Sign = Sign.NOT_NEGATIVE
-    bare: bool = False  # a number without a unit means `like` to most people here
-
-    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
-        """Return the quantity that a text says."""
-        if isinstance(value, bool) or not isinstance(value, str | int | float):
-            kind = kind_of(self.like).name
-            raise fault(
-                f"found {describe(value)}, expected {kind} with its unit, "
-                f"such as '1 {self.like}'"
-            )
-        gravity = (info.context or {}).get("gravity", STANDARD_GRAVITY)
-        try:
-            quantity = parse_quantity(
-                str(value),
-                self.like,
-                gravity=gravity,
-                bare=self.like if self.bare else "",
-            )
-        except UnitError as error:
-            raise fault(str(error)) from None
-        low = quantity.value < 0.0 or (
-            quantity.value == 0.0 and self.sign is Sign.POSITIVE
-        )
-        if low and self.sign is not Sign.ANY:
-            raise fault(
-                f"found {value!r}, expected {kind_of(self.like).name} that is "
-                f"{self.sign.value}"
-            )
-        return quantity
-
-    @property
-    def json_schema(self) -> JsonSchemaValue:
-        """What an editor checks, and shows as help."""
-        kind = kind_of(self.like)
-        number = NUMBER if self.sign is Sign.ANY else NUMBER.replace("[+-]", r"\+", 1)
-        return {
-            "type": "string",
-            "pattern": rf"^{number}\s*[^\s0-9.,:_+-].*$",
-            "description": f"{kind.name}: a number and its unit",
-            "examples": [
-                f"1 {unit}" for unit in dict.fromkeys((self.like, *kind.units))
-            ],
-        }
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read the value."""
-        return core_schema.with_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe the value."""
-        return self.json_schema
-
-
-Time = Annotated[Quantity, Measured("s", bare=True)]
-Span = Annotated[Quantity, Measured("s", Sign.POSITIVE, bare=True)]
-Angle = Annotated[Quantity, Measured("deg", Sign.ANY)]
-
-
-@dataclass(frozen=True, eq=False)
-class Or:
-    """Beside the type that it annotates, what a file may write in its place.
-
-    Attributes
-    ----------
-    read : callable
-        Of a value, of what reads the type, and of what is known of the file.
-    describe : callable
-        JSON Schema of either, of that of the type.
-    """
-
-    read: Callable[[Any, Callable[[object], object], ValidationInfo], object]
-    describe: Callable[[JsonSchemaValue], JsonSchemaValue]
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read either."""
-        return core_schema.with_info_wrap_validator_function(self.read, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe either."""
-        inner: Any = schema
-        return self.describe(handler(inner["schema"]))
-
-
-def either(*schemas: JsonSchemaValue) -> JsonSchemaValue:
-    """Return the JSON Schema of any of several."""
-    return {"anyOf": [*schemas]}
-
-
-def synonyms(meant: Mapping[str, str]) -> Or:
-    """Allow, beside the words that a text may be, other spellings of them."""
-    return Or(
-        lambda value, word, _: word(
-            meant.get(value, value) if isinstance(value, str) else value
-        ),
-        # Of one word the schema is enough.
-        lambda words: (
-            {**words, "enum": [*words["enum"], *meant]} if "enum" in words else words
-        ),
-    )
-
-
-def or_text(measured: Measured, besides: str = "") -> Or:
-    """Allow, beside a mapping, a text that says one quantity for all of it.
-
-    Where it has to say more besides, the text is read to say what is wrong with it.
-    """
-
-    def read(value: Any, mapping: Callable[[object], object], info: Any) -> object:  # noqa: ANN401
-        if isinstance(value, dict):
-            return mapping(value)
-        found = measured.read(value, info)
-        if besides:
-            raise fault(
-                f"found {describe(value)} alone, expected more beside the value: "
-                f"{{value: {value}, {besides}}}"
-            )
-        return found
-
-    return Or(
-        read,
-        lambda schema: schema if besides else either(measured.json_schema, schema),
-    )
-
-
-def or_word(words: tuple[str, ...], example: str) -> Or:
-    """Allow, beside a mapping, a word that stands for a whole one."""
-
-    def read(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
-        if isinstance(value, dict):
-            return mapping(value)
-        if value in words:
-            return value
-        raise fault(
-            f"found {describe(value)}, expected {' or '.join(words)}, or a mapping "
-            f"such as {example}"
-        )
-
-    return Or(read, lambda schema: either({"enum": [*words]}, schema))
-
-
-def or_one(key: str = "", besides: str = "") -> Or:
-    """Allow, beside a sequence, one of its items alone.
-
-    Where items are mappings, a text in its place is shown as the value of that key,
-    with what an item has to say more.
-    """
-
-    def read(value: Any, items: Callable[[object], object], _: object) -> object:  # noqa: ANN401
-        if key and isinstance(value, str | int | float) and not isinstance(value, bool):
-            raise fault(
-                f"found {describe(value)} alone, expected more beside the value: "
-                f"{{{key}: {value}, {besides}}}"
-            )
-        return items((value,) if isinstance(value, dict if key else str) else value)
-
-    return Or(read, lambda schema: either(schema["items"], schema))
-
-
-@dataclass(frozen=True)
-class Later:
-    """A type that is made where a file first has a value of it.
-
-    There is one for every line that a data sheet may have, and a file has a few: to
-    make all of them takes longer than to read the file.
-    """
-
-    make: Callable[[], Any]  # the same type every time
-
-    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
-        """Read a value of that type; what is wrong with it has its place in it."""
-        return _adapter(self.make()).validator.validate_python(
-            value, context=info.context
-        )
-
-    def __get_pydantic_core_schema__(
-        self, source: object, handler: GetCoreSchemaHandler
-    ) -> CoreSchema:
-        """Tell pydantic how to read the value."""
-        return core_schema.with_info_plain_validator_function(self.read)
-
-
 @cache
-def _adapter(kind: Any) -> TypeAdapter[Any]:  # noqa: ANN401
-    """Return what reads a value of a type, built once for all lines of that type."""
-    return TypeAdapter(kind)
+def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Kind:
+    """Return the kind of one quantity for all axes, or of a mapping of axes."""
+    size = measured(like, sign)
+    rows = rows_of(dict.fromkeys(axes, size))
+    return or_text(table(rows=rows, title=f"by axis in {like}"), size)
 
 
-def mapping_of(
-    title: str,
-    fields: Mapping[str, Any],
-    meanings: Mapping[str, str] | None = None,
-    base: type[Strict] = Strict,
-) -> type[Strict]:
-    """Return the type of a mapping whose keys may all be left out."""
-    optional: dict[str, Any] = {
-        key: (kind | None, Field(default=None, description=(meanings or {}).get(key)))
-        for key, kind in fields.items()
-    }
-    name = re.sub("[^A-Za-z]+", "_", title)
-    return create_model(name, __base__=base, **optional)
-
-
-@cache
-def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Any:  # noqa: ANN401
-    """Return the type of one quantity for all axes, or of a mapping of axes."""
-    measured = Measured(like, sign)
-    fields = dict.fromkeys(axes, Annotated[Quantity, measured])
-    return Annotated[mapping_of(f"by axis in {like}", fields), or_text(measured)]
-
-
-def by_axis(value: Quantity | Strict, axes: tuple[str, ...]) -> dict[str, Quantity]:
+def by_axis(value: Quantity | Keyed, axes: tuple[str, ...]) -> dict[str, Quantity]:
     """Return the quantity of each axis that a value names; a text names them all."""
     if isinstance(value, Quantity):
         return dict.fromkeys(axes, value)
-    named = {axis: getattr(value, axis) for axis in axes}
-    return {axis: quantity for axis, quantity in named.items() if quantity is not None}
-
-
-def _check_text(text: str) -> str:
-    """Refuse a text that says nothing."""
-    if not text.strip():
-        raise fault("is blank, expected text; or remove the key")
-    return text
-
-
-def _check_line(text: str) -> str:
-    """Refuse a text that is more than one line."""
-    if _BREAK.search(text):
-        raise fault("has a tab or a line break, expected one line")
-    return _check_text(text)
-
-
-ShortText = Annotated[str, Field(max_length=200), AfterValidator(_check_line)]
-LongText = Annotated[str, Field(max_length=4000), AfterValidator(_check_text)]
+    return given_of({axis: getattr(value, axis) for axis in axes})

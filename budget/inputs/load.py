@@ -198,8 +198,7 @@ def _copied(part: Any) -> Any:  # noqa: ANN401 - of whatever a record consists
     if not is_dataclass(part) or isinstance(part, type):
         return part
     own = object.__new__(type(part))
-    for name, value in vars(part).items():  # one by one they share their keys
-        object.__setattr__(own, name, _copied(value))
+    own.__dict__.update({name: _copied(value) for name, value in vars(part).items()})
     return own
 
 

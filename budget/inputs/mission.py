@@ -2,41 +2,50 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from math import atan, ceil, degrees, floor, pi, remainder
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from pydantic import Field, model_validator
 
 from budget.earth import normal_gravity
 from budget.inputs.aiding import (
+    AIDS,
+    ALIGNMENT,
+    FILTER,
     MOST_EPOCHS,
-    OPTIMAL,
+    PERFECT,
     SELF,
     ZERO_VELOCITY,
     AidingPart,
-    Aids,
     AlignmentPart,
     FilterPart,
 )
-from budget.inputs.checking import check
-from budget.inputs.course import Level, TemperaturePart, VibrationPart, stretches
+from budget.inputs.course import LEVEL, TemperaturePart, VibrationPart, stretches
 from budget.inputs.fields import (
+    SPAN,
+    TEXT,
     FieldGroup,
-    Measured,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Span,
-    Strict,
+    check,
     faults,
+    format_row,
+    given_of,
+    items,
+    measured,
     not_rising,
-    or_word,
+    number,
+    one_of,
+    table,
 )
 from budget.inputs.files import exists, unshown
 from budget.inputs.procedure import MOST_HEIGHT
@@ -50,30 +59,23 @@ from budget.inputs.trajectory import (
 )
 from budget.inputs.tree import describe
 from budget.inputs.use import (
-    AGE_FIELD,
-    ON_THE_WAY_FIELD,
-    Age,
-    OnTheWay,
+    AGE_ROW,
+    ON_THE_WAY_ROW,
     Stated,
     stated_line,
     stated_lines,
 )
 from budget.navigation.route import STEP, TURN_STEP, Leg, Legs, Start, Track, moved
 from budget.sentences import sentence
-from budget.units import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from pydantic import GetJsonSchemaHandler
-    from pydantic.json_schema import JsonSchemaValue
-    from pydantic_core import CoreSchema, core_schema
-
     from budget.inputs.aiding import AidPart
     from budget.inputs.trajectory import Recorded
     from budget.inputs.tree import YamlFile
+    from budget.units import Quantity
 
-PERFECT = "perfect"
 COORDINATED = "coordinated"
 AIDED, FREE = "aided", "free"
 SHORTEST = 1e-3  # of a segment [s]
@@ -112,75 +114,49 @@ def _beyond(angle: Quantity | None, most: float) -> bool:
     return angle is not None and abs(angle.value) > most * (1.0 + _ROUNDING)
 
 
-@dataclass(frozen=True)
-class RateOf(Measured):
-    """A rate: a velocity beside a climb, an angular rate beside anything else."""
-
-    def read(self, value: object, info: core_schema.ValidationInfo) -> object:
-        """Return the rate that a text says."""
-        climbs = info.data.get("climb") is not None and info.data.get("turn") is None
-        return (CLIMB_RATE if climbs else TURN_RATE).read(value, info)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> JsonSchemaValue:
-        """Tell pydantic how to describe either."""
-        return {"anyOf": [TURN_RATE.json_schema, CLIMB_RATE.json_schema]}
+SPEED = measured("m/s", bare=True)
+ANGLE = measured("deg", Sign.ANY, bare=True)
+TURN_RATE = measured("deg/s", Sign.POSITIVE)
+CLIMB_RATE = measured("m/s", Sign.ANY)
 
 
-TURN_RATE = Measured("deg/s", Sign.POSITIVE)
-CLIMB_RATE = Measured("m/s", Sign.ANY)
-Speed = Annotated[Quantity, Measured("m/s", bare=True)]
-Angle = Annotated[Quantity, Measured("deg", Sign.ANY, bare=True)]
-Height = Annotated[Quantity, Measured("m", Sign.ANY, bare=True)]
-Count = Annotated[int, Field(ge=1, le=MOST_SEGMENTS)]
+# A velocity beside a climb, an angular rate beside anything else.
+RATE = Kind(
+    schema={"anyOf": [TURN_RATE.schema, CLIMB_RATE.schema]},
+    beside=lambda node: (
+        CLIMB_RATE if node.child("climb") and not node.child("turn") else TURN_RATE
+    ),
+)
 
 
-class SegmentLine(Ruled):
+class SegmentLine(Keyed):
     """What a level vehicle does for a while."""
 
-    stand: Span | None = Field(default=None, description="how long it stands still")
-    straight: Span | None = Field(
-        default=None, description="how long it goes on as it does"
-    )
-    turn: Angle | None = Field(
-        default=None, description="of the heading; positive to the right, as headings"
-    )
-    climb: Span | None = Field(default=None, description="how long it climbs or sinks")
-    accelerate: Span | None = Field(
-        default=None, description="how long its speed changes, evenly"
-    )
-    speed: Speed | None = Field(
-        default=None,
-        description="beside straight: of the first segment how fast the mission "
-        "begins, of others the speed that is reached by then",
-    )
-    heading: Angle | None = Field(
-        default=None, description="beside straight: likewise, from north to east"
-    )
-    rate: Annotated[Quantity, RateOf("deg/s")] | None = Field(
-        default=None, description="beside turn: deg/s; beside climb: m/s, upwards"
-    )
-    bank: Literal["level", "coordinated"] | None = Field(
-        default=None,
-        description="beside turn: level (unset), or coordinated, which leans so far "
-        "that nothing pulls aside",
-    )
-    roll_rate: Annotated[Quantity, TURN_RATE] | None = Field(
-        default=None, description="beside bank: at which it is entered and left"
-    )
-    to: Speed | None = Field(
-        default=None, description="beside accelerate: the speed at its end"
-    )
-    repeat: Count = Field(default=1, description="times one after the other")
-    aiding: Aids | None = Field(
-        default=None, description="what is measured meanwhile, of mission.aiding"
-    )
-    vibration: Level | None = Field(
-        default=None, description="meanwhile, rms; elsewhere that of environment"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "stand": Row(SPAN, "how long it stands still"),
+        "straight": Row(SPAN, "how long it goes on as it does"),
+        "turn": Row(ANGLE, "of the heading; positive to the right, as headings"),
+        "climb": Row(SPAN, "how long it climbs or sinks"),
+        "accelerate": Row(SPAN, "how long its speed changes, evenly"),
+        "speed": Row(
+            SPEED,
+            "beside straight: of the first segment how fast the mission "
+            "begins, of others the speed that is reached by then",
+        ),
+        "heading": Row(ANGLE, "beside straight: likewise, from north to east"),
+        "rate": Row(RATE, "beside turn: deg/s; beside climb: m/s, upwards"),
+        "bank": Row(
+            one_of("level", COORDINATED),
+            "beside turn: level (unset), or coordinated, which leans so far "
+            "that nothing pulls aside",
+        ),
+        "roll_rate": Row(TURN_RATE, "beside bank: at which it is entered and left"),
+        "to": Row(SPEED, "beside accelerate: the speed at its end"),
+        "repeat": Row(number(1, MOST_SEGMENTS), "times one after the other", usual=1),
+        "aiding": Row(AIDS, "what is measured meanwhile, of mission.aiding"),
+        "vibration": Row(LEVEL, "meanwhile, rms; elsewhere that of environment"),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "stand",
             lambda it: not it.moves,
@@ -279,7 +255,7 @@ class SegmentLine(Ruled):
     def length(self) -> float:
         """How long it takes once [s]."""
         if self.turn is not None and self.rate is not None:
-            return abs(self.turn.value) / self.rate.value
+            return float(abs(self.turn.value) / self.rate.value)
         span: Quantity = getattr(self, self.move)
         return span.value
 
@@ -320,7 +296,7 @@ class SegmentLine(Ruled):
     @property
     def number(self) -> int:
         """How many segments it stands for."""
-        return self.repeat
+        return int(self.repeat)
 
     def each(self) -> Iterator[tuple[tuple[str | int, ...], SegmentLine]]:
         """Yield each segment with its place in this item, those of a repetition too."""
@@ -331,11 +307,11 @@ class SegmentLine(Ruled):
 class SegmentItem(FieldGroup, SegmentLine):
     """A segment, or a group of segments that is repeated as a whole."""
 
-    key: ClassVar = "segments"
-    of_all: ClassVar = MEANWHILE
-    segments: tuple[SegmentLine, ...] | None = Field(
-        default=None, description="a group; repeat beside it is of the whole"
-    )
+    key = "segments"
+    of_all = MEANWHILE
+    rows: ClassVar[Rows] = {
+        key: Row(items(table(SegmentLine)), "a group; repeat beside it is of the whole")
+    }
 
     def _faults(self) -> Faults:
         """Return what is wrong with a group, and what its segments say again."""
@@ -354,7 +330,7 @@ class SegmentItem(FieldGroup, SegmentLine):
             yield from super().each()
             return
         new = self.meanwhile
-        lines = tuple(line.model_copy(update=new) for line in self.segments)
+        lines = tuple(line.but(**new) for line in self.segments)
         for _ in range(self.repeat):
             for place, line in enumerate(lines):
                 for _, one in line.each():
@@ -363,77 +339,66 @@ class SegmentItem(FieldGroup, SegmentLine):
     @property
     def meanwhile(self) -> dict[str, object]:
         """What it says of its segments, or of all in its group."""
-        given = {key: getattr(self, key) for key in MEANWHILE}
-        return {key: one for key, one in given.items() if one is not None}
+        return given_of({key: getattr(self, key) for key in MEANWHILE})
 
 
-ALIGNMENT: Any = Annotated[
-    AlignmentPart,
-    or_word((PERFECT, SELF), example="{position: 10 m, heading: 5 deg}"),
-]
-FILTER: Any = Annotated[
-    FilterPart, or_word((OPTIMAL,), example="{estimates: [gyro.bias]}")
-]
-
-
-class MissionPart(Ruled):
+class MissionPart(Keyed):
     """Where the unit is when it navigates by itself, and how that begins."""
 
-    latitude: Angle | None = Field(default=None, description="geodetic, of the start")
-    longitude: Angle | None = Field(
-        default=None,
-        description="of the start; no error depends on it, the line of the route "
-        "shows it",
-    )
-    height: Height | None = Field(
-        default=None, description="of the start, above the ellipsoid; unset: 0 m"
-    )
-    speed: Speed | None = Field(
-        default=None,
-        description="of the start, forward; unset: that of a first segment straight, "
-        "else 0 m/s",
-    )
-    heading: Angle | None = Field(
-        default=None,
-        description="of the start, from north to east; unset: that of a first segment "
-        "straight, else 0 deg",
-    )
-    alignment: ALIGNMENT | None = Field(
-        default=None,
-        description="what is known when it begins: perfect (unset), all; self: what "
-        "the unit finds of level and north, standing; or how well, 1 sigma",
-    )
-    alignment_time: Span | None = Field(
-        default=None, description="beside alignment self: how long it stands before"
-    )
-    altitude: Literal["aided", "free"] | None = Field(
-        default=None,
-        description="aided (unset): height and vertical velocity are known all the "
-        "time; free: by the accelerometers alone",
-    )
-    aiding: AidingPart | None = Field(
-        default=None, description="what is measured besides, of segments that name it"
-    )
-    filter: FILTER | None = Field(
-        default=None,
-        description="beside aiding: optimal (unset), which believes what is true; or "
-        "what it estimates and believes",
-    )
-    segments: tuple[SegmentItem, ...] | None = Field(
-        default=None, description="what the vehicle does, one after the other"
-    )
-    trajectory: ShortText | None = Field(
-        default=None,
-        description="a recording in place of place, start and segments: a CSV file "
-        "beside this one",
-    )
-    at: tuple[Span, ...] | None = Field(
-        default=None,
-        description="times from the start that are asked for, rising; unset: 10 s, 60 "
-        "s, 600 s, 3600 s that lie within, and the end",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "latitude": Row(ANGLE, "geodetic, of the start"),
+        "longitude": Row(
+            ANGLE,
+            "of the start; no error depends on it, the line of the route shows it",
+        ),
+        "height": Row(
+            measured("m", Sign.ANY, bare=True),
+            "of the start, above the ellipsoid; unset: 0 m",
+        ),
+        "speed": Row(
+            SPEED,
+            "of the start, forward; unset: that of a first segment straight, else 0 "
+            "m/s",
+        ),
+        "heading": Row(
+            ANGLE,
+            "of the start, from north to east; unset: that of a first segment "
+            "straight, else 0 deg",
+        ),
+        "alignment": Row(
+            ALIGNMENT,
+            "what is known when it begins: perfect (unset), all; self: what "
+            "the unit finds of level and north, standing; or how well, 1 sigma",
+        ),
+        "alignment_time": Row(SPAN, "beside alignment self: how long it stands before"),
+        "altitude": Row(
+            one_of(AIDED, FREE),
+            "aided (unset): height and vertical velocity are known all the "
+            "time; free: by the accelerometers alone",
+        ),
+        "aiding": Row(
+            table(AidingPart), "what is measured besides, of segments that name it"
+        ),
+        "filter": Row(
+            FILTER,
+            "beside aiding: optimal (unset), which believes what is true; or "
+            "what it estimates and believes",
+        ),
+        "segments": Row(
+            items(table(SegmentItem)), "what the vehicle does, one after the other"
+        ),
+        "trajectory": Row(
+            TEXT,
+            "a recording in place of place, start and segments: a CSV file beside "
+            "this one",
+        ),
+        "at": Row(
+            items(SPAN),
+            "times from the start that are asked for, rising; unset: 10 s, 60 "
+            "s, 600 s, 3600 s that lie within, and the end",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         *(
             Rule(
                 key,
@@ -528,17 +493,16 @@ class MissionPart(Ruled):
         is_few = len(times) <= MOST_TIMES
         return not_rising(times if is_few else (), "at", says, least=1.0 + _ROUNDING)
 
-    @model_validator(mode="after")
-    def _check_route(self) -> Self:
-        if self.trajectory is None:
-            end = self.laid_out.duration
-            if found := {**self.late(end), **self.aiding_faults(end)}:
-                raise faults(found)
-        return self
+    def _faults_of_whole(self) -> Faults:
+        """Return what is wrong with the route, laid out."""
+        if self.trajectory is not None:
+            return {}
+        end = self.laid_out.duration
+        return {**self.late(end), **self.aiding_faults(end)}
 
     def aiding_faults(self, end: float) -> Faults:
         """Return what is wrong with what is measured, and when, to the end [s]."""
-        given = {} if self.aiding is None else self.aiding.given
+        given = {} if self.aiding is None else self.aiding.parts
         if self.aiding is not None and not given:
             return {
                 ("aiding",): "names nothing that is measured, expected such as {gnss: "
@@ -616,7 +580,7 @@ class MissionPart(Ruled):
     @cached_property
     def spans(self) -> dict[str, list[tuple[float, float]]]:
         """When each aid is there [s]."""
-        given = {} if self.aiding is None else self.aiding.given
+        given = {} if self.aiding is None else self.aiding.parts
         return {
             key: [
                 *((a.value, b.value) for a, b in part.during or ()),
@@ -672,7 +636,7 @@ class MissionPart(Ruled):
 
         Raises
         ------
-        pydantic_core.ValidationError
+        fields.Faults
             They do not follow, are too many or too long, or lead where none can go.
         """
         return lay_out(self.start, self.segments or ())
@@ -702,14 +666,20 @@ class MissionPart(Ruled):
         )
 
 
-class MissionFile(Strict):
+class MissionFile(Keyed):
     """A mission: where a calibrated unit navigates by itself."""
 
-    format: Literal["budget-mission/1"] = "budget-mission/1"
-    name: ShortText | None = Field(default=None, description="unset: the file's name")
-    mission: MissionPart = Field(description="place, alignment, what the vehicle does")
-    environment: OnTheWay | None = ON_THE_WAY_FIELD
-    age: Age | None = AGE_FIELD
+    rows: ClassVar[Rows] = {
+        "format": format_row("mission"),
+        "name": Row(TEXT, "unset: the file's name"),
+        "mission": Row(
+            table(MissionPart),
+            "place, alignment, what the vehicle does",
+            is_needed=True,
+        ),
+        "environment": ON_THE_WAY_ROW,
+        "age": AGE_ROW,
+    }
 
     @property
     def vibrations(self) -> list[tuple[float, float, Quantity]]:
@@ -796,15 +766,15 @@ def read_mission(document: YamlFile) -> Mission:
     SpecError
         Every issue of the file.
     """
-    model = check(document, MissionFile)
+    model: MissionFile = check(document, table(MissionFile))
     part = model.mission
     recorded = None
     route: Legs | Track
     said: tuple[str, ...]
     if part.trajectory is None:
-        route = part.laid_out
-        banks = any(leg.bank for leg in route.legs)
-        said = (sentence("assumed.level", banks=banks),) if leans(route) else ()
+        route = legs = part.laid_out
+        banks = any(leg.bank for leg in legs.legs)
+        said = (sentence("assumed.level", banks=banks),) if leans(legs) else ()
     else:
         recorded = _recorded(document, part)
         said = recorded.assumptions
@@ -889,7 +859,7 @@ def lay_out(start: Start, items: Sequence[SegmentItem]) -> Legs:
 
     Raises
     ------
-    pydantic_core.ValidationError
+    fields.Faults
         They do not follow, are too many or too long, or lead where none can go: which,
         all at once.
     """

@@ -4,26 +4,30 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
-
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from budget.earth import normal_gravity
-from budget.inputs.checking import check
 from budget.inputs.fields import (
-    Angle,
-    Measured,
-    Or,
+    ANGLE,
+    SPAN,
+    TEXT,
+    TIME,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Span,
-    Strict,
-    Time,
-    either,
+    check,
     fault,
-    faults,
+    format_row,
+    items,
+    measured,
+    number,
+    one_of,
+    or_else,
+    table,
 )
 from budget.inputs.files import open_file, unshown
 from budget.inputs.records import (
@@ -37,14 +41,13 @@ from budget.inputs.station import (
     IDEAL,
     OR_FILE,
     at_station,
-    environment_type,
     read_station,
     station_file,
     station_of,
-    surroundings_type,
+    surroundings,
 )
-from budget.inputs.tree import describe, flow
-from budget.inputs.use import AGE_FIELD, Age, is_none, stated_lines, with_use
+from budget.inputs.tree import Node, describe, flow
+from budget.inputs.use import AGE_ROW, is_none, stated_lines, with_use
 from budget.inputs.windows import WindowItem, lay_out
 from budget.language import note
 from budget.model.estimators import ESTIMATORS, PLAIN, Estimator, estimator_of
@@ -58,11 +61,8 @@ from budget.names import (
     parameters_of,
 )
 from budget.sentences import sentence
-from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from budget.inputs.tree import YamlFile
     from budget.model.windows import Window
 
@@ -91,63 +91,60 @@ MOST_HEIGHT = 100_000.0  # of a laboratory; the series of normal gravity ends th
 _ROUNDING = 1e-12  # relative; a latitude of 90 deg is no more than that in radians
 
 
-def _read_gravity(value: Any, own: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+def _read_gravity(node: Node, gravity: float, own: Any) -> object:  # noqa: ANN401
     """Read an acceleration, or the word for that of the ellipsoid."""
+    value = node.value
     if value == NORMAL:
         return NORMAL
     if isinstance(value, str) and not any(c.isdigit() for c in value):
         expected = "'normal' or an acceleration such as '9.7967 m/s^2'"
         raise fault(f"found {describe(value)}, expected {expected}")
-    return own(value)
+    return own(node, gravity)
 
 
-OR_NORMAL = Or(_read_gravity, lambda schema: either({"const": NORMAL}, schema))
-
-
-def _paper(value: object, description: str) -> Any:  # noqa: ANN401
-    """Return a field that takes the paper's value where the file names none."""
-    return Field(default=value, validate_default=True, description=description)
-
-
-def _count_azimuths(value: object) -> object:
-    """Refuse too many before each is read."""
-    if isinstance(value, tuple) and len(value) > MOST_AZIMUTHS:
-        message = f"names {len(value)} azimuths, expected {MOST_AZIMUTHS} at most"
-        raise fault(message)
-    return value
-
-
-class GyroTest(Ruled):
+class GyroTest(Keyed):
     """Rate turns, then a static test at several azimuths or in twelve positions."""
 
-    rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] = _paper(
-        "20 deg/s", "turntable rate of the turns"
-    )
-    turns: Annotated[int, Field(ge=1, le=1_000_000)] = _paper(
-        1, "whole turns, so that the earth rate averages out"
-    )
-    order: tuple[Literal["x", "y", "z"], ...] = _paper(
-        ("z", "x", "y"), "axes in the order they are turned about"
-    )
-    pause: Time = _paper("0 s", "between all windows")
-    azimuths: Annotated[
-        tuple[Angle, ...],
-        Field(max_length=MOST_AZIMUTHS),
-        BeforeValidator(_count_azimuths),
-    ] = _paper(("0 deg", "180 deg", "270 deg", "450 deg"), "of the static test")
-    dwell: Span = _paper("300 s", "at each azimuth")
-    bias: Literal["azimuths", "twelve_positions"] = Field(
-        default="azimuths",
-        description="where it is read: at the azimuths, or in the dwells of the "
-        "accelerometers, each axis up and down, so that no knowledge of the earth rate "
-        "goes in",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {  # what stands for a key is the paper's
+        "rate": Row(
+            measured("deg/s", Sign.POSITIVE),
+            "turntable rate of the turns",
+            usual="20 deg/s",
+        ),
+        "turns": Row(
+            number(1, 1_000_000),
+            "whole turns, so that the earth rate averages out",
+            usual=1,
+        ),
+        "order": Row(
+            items(one_of(*AXES)),
+            "axes in the order they are turned about",
+            usual=("z", "x", "y"),
+        ),
+        "pause": Row(TIME, "between all windows", usual="0 s"),
+        AZIMUTHS: Row(
+            items(
+                ANGLE,
+                most=MOST_AZIMUTHS,
+                many=f"names {{number}} azimuths, expected {MOST_AZIMUTHS} at most",
+            ),
+            "of the static test",
+            usual=("0 deg", "180 deg", "270 deg", "450 deg"),
+        ),
+        "dwell": Row(SPAN, "at each azimuth", usual="300 s"),
+        "bias": Row(
+            one_of(AZIMUTHS, "twelve_positions"),
+            "where it is read: at the azimuths, or in the dwells of the "
+            "accelerometers, each axis up and down, so that no knowledge of the earth "
+            "rate goes in",
+            usual=AZIMUTHS,
+        ),
+    }
+    rules: ClassVar[Rules] = (
         *(
             Rule(
                 key,
-                lambda it, key=key: key in it.model_fields_set and it.bias != AZIMUTHS,
+                lambda it, key=key: key in it.given and it.bias != AZIMUTHS,
                 "is of the bias at azimuths, and this is of twelve_positions, whose "
                 "dwell is that of the accelerometer; remove it",
             )
@@ -171,11 +168,13 @@ class GyroTest(Ruled):
         return flow(self.order)
 
 
-class AccelerometerTest(Strict):
+class AccelerometerTest(Keyed):
     """The twelve-position static test."""
 
-    dwell: Span = _paper("300 s", "at each position")
-    pause: Time = _paper("0 s", "between all windows")
+    rows: ClassVar[Rows] = {
+        "dwell": Row(SPAN, "at each position", usual="300 s"),
+        "pause": Row(TIME, "between all windows", usual="0 s"),
+    }
 
 
 # What can be estimated: a quantity on all its axes, or on one.
@@ -183,7 +182,7 @@ PARAMETER_WORDS = (
     *PARAMETERS,
     *(str(name.without_owner) for name in parameters_of(SENSORS[0])),
 )
-ParameterWord: Any = Literal[PARAMETER_WORDS]
+ALL = "all"
 
 
 # With x of the body along the sensitive axis x, and its y in the plane of x and y.
@@ -193,48 +192,41 @@ TRIANGULAR = (
 )
 
 
-def _every(value: object) -> object:
-    """Return all quantities in the place of the word 'all'."""
-    return tuple(PARAMETERS) if value == "all" else value
-
-
-def _some(value: tuple[str, ...]) -> tuple[str, ...]:
-    """Refuse a test that finds nothing of a sensor."""
-    if not value:
+def _estimated(node: Node, gravity: float, read: Any) -> object:  # noqa: ANN401
+    """Read what is estimated of one sensor; a test that finds nothing is refused."""
+    if node.value == ALL:
+        return tuple(PARAMETERS)
+    if node.value == ():
         message = (
             "names no parameter, expected one at least; to leave the sensor out give "
             "the windows to the other (use:)"
         )
         raise fault(message)
-    return value
+    return read(node, gravity)
 
 
-def _estimated(words: Any) -> Any:  # noqa: ANN401
-    """Return the type of what is estimated of one sensor, of those words."""
-    return Annotated[
-        tuple[words, ...],
-        BeforeValidator(
-            _every, json_schema_input_type=Literal["all"] | tuple[words, ...]
-        ),
-        AfterValidator(_some),
-    ]
+def _estimable(*more: str) -> Kind:
+    """Return the kind of what is estimated of one sensor, more than of both."""
+    words = items(one_of(*PARAMETER_WORDS, *more))
+    return or_else(words, _estimated, {"const": ALL})
 
 
-Estimated: Any = _estimated(ParameterWord)
-EstimatedHigher: Any = _estimated(Literal[(*PARAMETER_WORDS, *HIGHER)])
-
-
-class Estimate(Strict):
+class Estimate(Keyed):
     """What the estimator finds; all else is held at the device's nominal values."""
 
-    gyro: Estimated = Field(
-        default=tuple(PARAMETERS), description="all, or such as [scale_factor, bias]"
-    )
-    accelerometer: EstimatedHigher = Field(
-        default=tuple(PARAMETERS),
-        description="all, or as [bias, mounting_angle.xy]; "
-        "second_order and third_order besides",
-    )
+    rows: ClassVar[Rows] = {
+        "gyro": Row(
+            _estimable(),
+            "all, or such as [scale_factor, bias]",
+            usual=tuple(PARAMETERS),
+        ),
+        "accelerometer": Row(
+            _estimable(*HIGHER),
+            "all, or as [bias, mounting_angle.xy]; "
+            "second_order and third_order besides",
+            usual=tuple(PARAMETERS),
+        ),
+    }
 
     @property
     def orders(self) -> tuple[int, ...]:
@@ -251,70 +243,79 @@ class Estimate(Strict):
         )
 
 
-class ProcedureFile(Ruled):
+class ProcedureFile(Keyed):
     """A calibration procedure; an unset key takes the value of Zhao 2019."""
 
-    format: Literal["budget-procedure/1"] = "budget-procedure/1"
-    name: ShortText | None = Field(default=None, description="unset: the file's name")
-    latitude: Annotated[Quantity, Measured("deg", Sign.ANY)] = _paper(
-        "34.2394 deg", "geodetic"
-    )
-    gravity: Annotated[Any, Measured("m/s^2", Sign.POSITIVE, bare=True), OR_NORMAL] = (
-        _paper("normal", "at the place; normal: WGS 84 at that latitude")
-    )
-    height: Annotated[Quantity, Measured("m", Sign.ANY, bare=True)] | None = Field(
-        default=None,
-        description="above the ellipsoid, for normal gravity; unset: 0 m",
-    )
-    sample_rate: Annotated[Quantity, Measured("Hz", Sign.POSITIVE, bare=True)] = _paper(
-        "100 Hz", "of the sensor outputs"
-    )
-    estimator: Literal[(PAPER, *OF_WINDOWS)] | None = Field(  # type: ignore[valid-type]
-        default=None,
-        description="; ".join(
-            f"{name}: {says}" for name, says in (("paper", "its formulas"), *SAYS)
-        )
-        + ". Unset: paper, or least_squares where there are windows",
-    )
-    estimate: Estimate | None = Field(
-        default=None,
-        description="parameters that are found; unset: all. The others are held at "
-        "the device's nominal values, and what they truly are is an error source",
-    )
-    windows: tuple[WindowItem, ...] | None = Field(
-        default=None,
-        description="dwells and turns, in place of the tests of gyro and accelerometer",
-    )
-    pause: Time | None = Field(
-        default=None, description="between all windows; unset: 0 s"
-    )
-    flip_axis: Literal["inner", "middle"] = Field(
-        default="inner", description="axis of the table that z comes down by"
-    )
-    moves: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
-        default=None,
-        description="of the estimator norm: rate at which the unit is turned from one "
-        "dwell to the next, one axis after the other, while the gyro is read, which "
-        "is calibrated so; unset: accelerometers alone",
-    )
-    formulas: Literal["corrected", "paper"] = _paper(
-        "corrected", "of the gyro bias: corrected, or as the paper prints them"
-    )
-    gyro: GyroTest = Field(default_factory=GyroTest)
-    accelerometer: AccelerometerTest = Field(default_factory=AccelerometerTest)
-    station: Annotated[surroundings_type(STATION), OR_FILE] | None = Field(  # type: ignore[valid-type]
-        default=None,
-        description="uncertainties of table and place, or the file of a station; "
-        "unset: none",
-    )
-    environment: environment_type() | None = Field(  # type: ignore[valid-type]
-        default=None,
-        description="what changes during the calibration, and that of the use; unset: "
-        "nothing in the calibration, and of the use nothing is stated; none: neither",
-    )
-    age: Age | None = AGE_FIELD
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "format": format_row("procedure"),
+        "name": Row(TEXT, "unset: the file's name"),
+        "latitude": Row(ANGLE, "geodetic", usual="34.2394 deg"),
+        "gravity": Row(
+            or_else(
+                measured("m/s^2", Sign.POSITIVE, bare=True),
+                _read_gravity,
+                {"const": NORMAL},
+            ),
+            "at the place; normal: WGS 84 at that latitude",
+            usual=NORMAL,
+        ),
+        "height": Row(
+            measured("m", Sign.ANY, bare=True),
+            "above the ellipsoid, for normal gravity; unset: 0 m",
+        ),
+        "sample_rate": Row(
+            measured("Hz", Sign.POSITIVE, bare=True),
+            "of the sensor outputs",
+            usual="100 Hz",
+        ),
+        "estimator": Row(
+            one_of(PAPER, *OF_WINDOWS),
+            "; ".join(
+                f"{name}: {says}" for name, says in (("paper", "its formulas"), *SAYS)
+            )
+            + ". Unset: paper, or least_squares where there are windows",
+        ),
+        "estimate": Row(
+            table(Estimate),
+            "parameters that are found; unset: all. The others are held at "
+            "the device's nominal values, and what they truly are is an error source",
+        ),
+        "windows": Row(
+            items(table(WindowItem)),
+            "dwells and turns, in place of the tests of gyro and accelerometer",
+        ),
+        "pause": Row(TIME, "between all windows; unset: 0 s"),
+        "flip_axis": Row(
+            one_of("inner", "middle"),
+            "axis of the table that z comes down by",
+            usual="inner",
+        ),
+        "moves": Row(
+            measured("deg/s", Sign.POSITIVE),
+            "of the estimator norm: rate at which the unit is turned from one dwell to "
+            "the next, one axis after the other, while the gyro is read, which is "
+            "calibrated so; unset: accelerometers alone",
+        ),
+        "formulas": Row(
+            one_of("corrected", PAPER),
+            "of the gyro bias: corrected, or as the paper prints them",
+            usual="corrected",
+        ),
+        "gyro": Row(table(GyroTest), usual={}),
+        "accelerometer": Row(table(AccelerometerTest), usual={}),
+        STATION: Row(
+            OR_FILE,
+            "uncertainties of table and place, or the file of a station; unset: none",
+        ),
+        ENVIRONMENT: Row(
+            surroundings(ENVIRONMENT),
+            "what changes during the calibration, and that of the use; unset: "
+            "nothing in the calibration, and of the use nothing is stated; none: "
+            "neither",
+        ),
+        "age": AGE_ROW,
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "latitude",
             lambda it: abs(it.latitude.value) > 0.5 * pi * (1.0 + _ROUNDING),
@@ -341,7 +342,7 @@ class ProcedureFile(Ruled):
         ),
         Rule(
             "pause",
-            lambda it: "pause" in it.model_fields_set and it.windows is None,
+            lambda it: "pause" in it.given and it.windows is None,
             "is of windows; the tests of gyro and accelerometer have their own",
         ),
         Rule(
@@ -352,9 +353,7 @@ class ProcedureFile(Ruled):
         *(
             Rule(
                 key,
-                lambda it, key=key: (
-                    it.windows is not None and key in it.model_fields_set
-                ),
+                lambda it, key=key: it.windows is not None and key in it.given,
                 "stands beside windows, which are the whole test; remove one of them",
             )
             for key in SENSORS
@@ -381,9 +380,7 @@ class ProcedureFile(Ruled):
         ),
         Rule(
             "formulas",
-            lambda it: (
-                "formulas" in it.model_fields_set and it.chosen_estimator != PAPER
-            ),
+            lambda it: "formulas" in it.given and it.chosen_estimator != PAPER,
             "is of the estimator paper, and this is {chosen_estimator}; remove it",
         ),
         Rule(
@@ -436,20 +433,19 @@ class ProcedureFile(Ruled):
         }
         return short | uses | turns
 
-    @model_validator(mode="after")
-    def _check_windows(self) -> Self:
+    def _faults_of_whole(self) -> dict[tuple[Any, ...], str]:
+        """Return what is wrong with the windows, laid out."""
         laid_out = self.laid_out  # refuses windows that overlap
         most = max(
             sum(one.use in {owner, "both"} for one in laid_out) for owner in SENSORS
         )
-        if self.kind.weighs_noise and most > MOST_WEIGHED:
-            message = (
-                f"are {most} of one triad, expected {MOST_WEIGHED} at the most beside "
-                "estimator: weighted, which weighs each against every other; take "
-                "least_squares, or fewer and longer windows"
-            )
-            raise faults({("windows",): message})
-        return self
+        if not self.kind.weighs_noise or most <= MOST_WEIGHED:
+            return {}
+        return {
+            ("windows",): f"are {most} of one triad, expected {MOST_WEIGHED} at the "
+            "most beside estimator: weighted, which weighs each against every other; "
+            "take least_squares, or fewer and longer windows"
+        }
 
     @property
     def held(self) -> tuple[Name, ...]:
@@ -457,10 +453,10 @@ class ProcedureFile(Ruled):
 
         How a triad is turned as a whole no norm shows: three angles are held there.
         """
-        named = self.estimate or Estimate()
-        fields = named.model_fields_set
+        named = self.estimate or Estimate.of()
+        fields = named.given
         if not self.kind.knows_attitudes and "accelerometer" not in fields:
-            named = Estimate(gyro=named.gyro, accelerometer=TRIANGULAR)
+            named = Estimate.of(gyro=named.gyro, accelerometer=TRIANGULAR)
         return named.held()
 
     @property
@@ -502,7 +498,7 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
     SpecError
         Every issue of the file.
     """
-    model = check(document, ProcedureFile)
+    model: ProcedureFile = check(document, table(ProcedureFile))
     origin = Origin(file=document.base_name, sha256=document.sha256)
     name = model.name or document.stem
     named = model.station if isinstance(model.station, str) else None
@@ -565,7 +561,7 @@ def _assumptions(model: ProcedureFile) -> tuple[str, ...]:
     gyro = model.gyro
     of_bias = ("bias",) if gyro.bias == AZIMUTHS else ("bias", AZIMUTHS, "dwell")
     idle = () if model.chosen_estimator == PAPER else ("formulas",)
-    parts: tuple[tuple[str, Strict, tuple[str, ...]], ...] = (
+    parts: tuple[tuple[str, Keyed, tuple[str, ...]], ...] = (
         ("", model, (*NO_PAPER, *SENSORS, STATION, ENVIRONMENT, *idle)),
         ("gyro.", gyro, of_bias),
         ("accelerometer.", model.accelerometer, ()),
@@ -576,12 +572,12 @@ def _assumptions(model: ProcedureFile) -> tuple[str, ...]:
             sentence(
                 "assumed.as_in_the_paper",
                 key=f"{prefix}{key}",
-                shown=flow(field.default),
+                shown=flow(row.usual),
             )
             for prefix, part, others in (parts[:1] if model.windows else parts)
-            for key, field in type(part).model_fields.items()
-            if key not in part.model_fields_set and key not in others
-            if field.default is not None  # an age that nobody states is no 0 either
+            for key, row in part.rows.items()
+            if key not in part.given and key not in others
+            if row.usual is not None  # an age that nobody states is no 0 either
         ),
         *((HEIGHT_0,) if model.gravity == NORMAL and model.height is None else ()),
         *((IDEAL,) if model.station is None else ()),

@@ -3,75 +3,49 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
-from pydantic import Field, create_model
-from pydantic_core import PydanticCustomError
 
 from budget.inputs.fields import (
-    Measured,
-    Or,
+    TEXT,
+    Faults,
+    Keyed,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    either,
     fault,
-    mapping_of,
+    measured,
+    node_of,
+    or_else,
     or_text,
+    rows_of,
+    table,
 )
-from budget.inputs.tree import describe
+from budget.inputs.tree import Node, describe
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.names import AXES
 from budget.units import Quantity
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from pydantic import ValidationInfo
-    from pydantic.json_schema import JsonSchemaValue
-
-    from budget.arrays import Array
-
-
-@dataclass(frozen=True)
-class Bound(Measured):
-    """A quantity that is both ends of a range, '300 deg/s' or '±300 deg/s'."""
-
-    sign: Sign = Sign.POSITIVE
-
-    def read(self, value: object, info: ValidationInfo) -> object:
-        """Return the quantity that a text says."""
-        text = value.removeprefix("±") if isinstance(value, str) else value
-        return super().read(text, info)
-
-    @property
-    def json_schema(self) -> JsonSchemaValue:
-        """What an editor checks, and shows as help."""
-        found = super().json_schema
-        return {**found, "pattern": found["pattern"].replace("^", "^±?", 1)}
-
-
-MEASURED = {GYRO: Bound("deg/s"), ACCELEROMETER: Bound("g")}
+MEASURED = {
+    GYRO: measured("deg/s", Sign.POSITIVE, both=True),
+    ACCELEROMETER: measured("g", Sign.POSITIVE, both=True),
+}
 FORM = "{gyro: 300 deg/s, accelerometer: 10 g}"
 IS = "the largest input of either sign that it reads"
 
 
-class RangeValue(Ruled):
+class RangeValue(Keyed):
     """What a file may say of the range of one triad, besides a text."""
 
-    value: Quantity | None = None
-    x: Quantity | None = None
-    y: Quantity | None = None
-    z: Quantity | None = None
-    options: ShortText = Field(
-        default="", description="ranges that it can be ordered or set to, as printed"
-    )
-    condition: ShortText = Field(default="", description="the maker's other words")
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        **dict.fromkeys(("value", *AXES), Row(MEASURED[GYRO])),
+        "options": Row(TEXT, "ranges that it can be ordered or set to, as printed"),
+        "condition": Row(TEXT, "the maker's other words"),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             (),
             lambda given: given.absent,
@@ -90,64 +64,54 @@ class RangeValue(Ruled):
         return self.value if own is None else own
 
 
-def _read_alone(
-    value: Any,  # noqa: ANN401
-    mapping: Callable[[object], object],
-    info: ValidationInfo,
-) -> object:
+def _read_alone(node: Node, gravity: float, mapping: Any) -> object:  # noqa: ANN401
     """Read a mapping of sensors, or a text: its unit says which."""
-    if isinstance(value, dict):
-        return mapping(value)
-    for sensor, measured in MEASURED.items():
-        with suppress(PydanticCustomError):
-            measured.read(value, info)
-            return mapping({sensor: value})
+    if isinstance(node.value, dict):
+        return mapping(node, gravity)
+    for sensor, size in MEASURED.items():
+        with suppress(Faults):
+            size.read(node, gravity)
+            return mapping(node_of({sensor: node.value}), gravity)
     raise fault(
-        f"found {describe(value)}, expected {FORM}, each {IS}; in a file with one "
+        f"found {describe(node.value)}, expected {FORM}, each {IS}; in a file with one "
         "sensor '300 deg/s' will do; the maker's other words stand beside a value: "
         "{value: 300 deg/s, condition: ...}"
     )
 
 
-def range_type(sensor: str) -> Any:  # noqa: ANN401
-    """Return the type of the range of one triad: a text, or a mapping."""
-    measured = MEASURED[sensor]
-    fields: dict[str, Any] = dict.fromkeys(
-        ("value", *AXES), (Annotated[Quantity, measured] | None, None)
+OF_SENSOR = {
+    sensor: or_text(
+        table(
+            RangeValue,
+            rows_of(dict.fromkeys(("value", *AXES), size)),
+            f"range {sensor}",
+        ),
+        size,
     )
-    mapping = create_model(f"range_{sensor}", __base__=RangeValue, **fields)
-    return Annotated[mapping, or_text(measured)]
+    for sensor, size in MEASURED.items()
+}
+RANGES = or_else(
+    table(rows=rows_of(OF_SENSOR), title="ranges"),
+    _read_alone,
+    *MEASURED.values(),
+)
 
 
-TYPES = {sensor: range_type(sensor) for sensor in MEASURED}
-RANGES: Any = Annotated[
-    mapping_of("ranges", TYPES),
-    Or(
-        _read_alone,
-        lambda schema: either(*(one.json_schema for one in MEASURED.values()), schema),
-    ),
-]
+def read_range(given: Quantity | RangeValue) -> dict[str, Any]:
+    """Turn what a file says of the range of one triad into numbers and a text.
 
-
-@dataclass(frozen=True, kw_only=True)
-class ReadRange:
-    """The range of one triad, as its record has it."""
-
-    range: Array  # shape (3,) [rad/s or m/s^2]
-    range_printed: str  # for people: '±400 °/s (saturates at ±480 °/s)'
-
-
-def read_range(given: Quantity | RangeValue) -> ReadRange:
-    """Turn what a file says of the range of one triad into numbers and a text."""
+    `range`, shape (3,) [rad/s or m/s^2], and `range_printed`, for people: '±400 °/s
+    (saturates at ±480 °/s)'.
+    """
     if isinstance(given, Quantity):
-        given = RangeValue.model_construct(value=given)
+        given = RangeValue.of(value=given)
     found = [(axis, one) for axis in AXES if (one := given.of_axis(axis)) is not None]
     texts = [f"{axis} ±{one.printed}" for axis, one in found]
     if len({one.printed for _, one in found}) == 1:
         texts = [f"±{found[0][1].printed}"]
     words = f"of {given.options}" if given.options else ""
     beside = "; ".join(filter(None, (words, given.condition)))
-    return ReadRange(
-        range=np.array([one.value for _, one in found]),
-        range_printed=", ".join(texts) + (f" ({beside})" if beside else ""),
-    )
+    return {
+        "range": np.array([one.value for _, one in found]),
+        "range_printed": ", ".join(texts) + (f" ({beside})" if beside else ""),
+    }

@@ -3,32 +3,31 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
-
-from pydantic import Field, create_model
+from typing import TYPE_CHECKING, ClassVar
 
 from budget.distributions import COVERAGES, is_coverage
-from budget.inputs.checking import check
 from budget.inputs.fields import (
-    Measured,
+    TEXT,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Strict,
     by_axis,
-    mapping_of,
-    or_one,
+    check,
+    format_row,
+    given_of,
+    items,
+    measured,
+    one_of,
     per_axis,
+    rows_of,
+    table,
 )
-from budget.inputs.records import EACH, Limit, Origin, Requirement
-from budget.inputs.use import (
-    AGE_FIELD,
-    ENVIRONMENT_FIELD,
-    Age,
-    Environment,
-    stated_lines,
-)
+from budget.inputs.records import EACH, JOINT, Limit, Origin, Requirement
+from budget.inputs.use import AGE_ROW, ENVIRONMENT_ROW, stated_lines
 from budget.model.sources import SENSORS, SOURCES
 from budget.names import (
     IMU,
@@ -42,28 +41,23 @@ from budget.names import (
     quantities_of,
 )
 from budget.sentences import sentence
-from budget.units import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.tree import YamlFile
+    from budget.units import Quantity
 
 COVERAGE = "95 %"
 REFERENCE = "next_turn_on"
-Coverage = Annotated[Quantity, Measured("%", Sign.POSITIVE, bare=True)]
-Moment = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
+COVER = measured("%", Sign.POSITIVE, bare=True)
 # What an error of navigation is limited in.
 LIKE = {"position": "m", "velocity": "m/s", "attitude": "arcsec"}
 MOST_LIMITS = 20  # on one quantity of a mission
 
 
-class Caps(Strict):
-    """What the device may cost; held against its own; they decide no verdict."""
-
-    price: ShortText | None = None
-    mass: ShortText | None = None
-    power: ShortText | None = None
+# What the device may cost; held against its own; they decide no verdict.
+CAPS = table(rows=dict.fromkeys(("price", "mass", "power"), Row(TEXT)), title="Caps")
 
 
 def _is_none(share: Quantity | None) -> bool:
@@ -71,19 +65,20 @@ def _is_none(share: Quantity | None) -> bool:
     return share is not None and not is_coverage(share.value)
 
 
-class AtTime(Ruled):
+class AtTime(Keyed):
     """A limit at a time of a mission."""
 
-    at: Moment = Field(description="since the mission began")
-    probability: Coverage | None = Field(
-        default=None, description="of the error to be within; unset: the coverage"
-    )
-    interpretation: Literal["ensemble"] | None = Field(
-        default=None,
-        description="of the probability: over units, turn-ons and noise, at that time",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "at": Row(
+            measured("s", Sign.POSITIVE), "since the mission began", is_needed=True
+        ),
+        "probability": Row(COVER, "of the error to be within; unset: the coverage"),
+        "interpretation": Row(
+            one_of("ensemble"),
+            "of the probability: over units, turn-ons and noise, at that time",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "probability",
             lambda it: _is_none(it.probability),
@@ -99,92 +94,95 @@ class AtTime(Ruled):
     @property
     def keys(self) -> str:
         """What may be limited."""
-        return " or ".join(key for key in type(self).model_fields if key not in TIMING)
+        return " or ".join(key for key in vars(self) if key not in AtTime.rows)
 
     @property
     def named(self) -> dict[str, Quantity]:
         """The limits that are there, by their keys."""
-        each = {key: getattr(self, key) for key in type(self).model_fields}
-        return {
-            key: value
-            for key, value in each.items()
-            if key not in TIMING and value is not None
+        own = given_of(vars(self))
+        return {key: own[key] for key in own if key not in AtTime.rows}
+
+
+def _several(title: str, like: str, keys: Sequence[str]) -> Kind:
+    """Return the kind of limits at several times, one of which may stand alone."""
+    limits = rows_of(dict.fromkeys(keys, measured(like, Sign.POSITIVE)))
+    return items(
+        table(AtTime, limits, title),
+        most=MOST_LIMITS,
+        alone=True,
+        lacks=(keys[0], "at: 60 s"),
+    )
+
+
+# On a mission: lengths and parts of vectors, and each angle of attitude.
+ON_MISSION = table(
+    rows=rows_of(
+        {
+            quantity: _several(
+                f"{quantity} limit", LIKE[quantity], (LENGTHS[quantity], *axes)
+            )
+            for quantity, axes in PLACES.items()
+            if quantity in LENGTHS
         }
-
-
-TIMING = frozenset(AtTime.model_fields)
-
-
-def _mission_type() -> Any:  # noqa: ANN401
-    """Return the type of the limits of a mission."""
-
-    def several(title: str, like: str, keys: Sequence[str]) -> Any:  # noqa: ANN401
-        limit = Annotated[Quantity, Measured(like, Sign.POSITIVE)]
-        item: Any = mapping_of(title, dict.fromkeys(keys, limit), base=AtTime)
-        items: Any = tuple[item, ...]
-        alone = or_one(keys[0], "at: 60 s")
-        return Annotated[items, Field(max_length=MOST_LIMITS), alone]
-
-    vectors = {
-        quantity: several(
-            f"{quantity} limit",
-            LIKE[quantity],
-            (LENGTHS[quantity], *axes),
-        )
-        for quantity, axes in PLACES.items()
-        if quantity in LENGTHS
-    }
-    angles = {
-        axis: several(f"{axis} limit", LIKE["attitude"], ("limit",))
-        for axis in PLACES["attitude"]
-    }
-    return mapping_of("mission limits", vectors | angles)
-
-
-def _limits_type() -> Any:  # noqa: ANN401
-    """Return the type of the limits of both sensors, and of both together."""
-
-    def limits(owner: str) -> dict[str, Any]:
-        units = {
-            "scale_factor": "ppm",
-            "bias": SOURCES[0].like(owner),
-            **{quantity: f"ug/g^{order}" for quantity, order in ORDERS.items()},
+        | {
+            axis: _several(f"{axis} limit", LIKE["attitude"], ("limit",))
+            for axis in PLACES["attitude"]
         }
-        return {
+    ),
+    title="mission limits",
+)
+
+
+def _limits_on(owner: str) -> Rows:
+    """Return the rows of the limits of one sensor, or of both together."""
+    units = {
+        "scale_factor": "ppm",
+        "bias": SOURCES[0].like(owner),
+        **{quantity: f"ug/g^{order}" for quantity, order in ORDERS.items()},
+    }
+    return rows_of(
+        {
             quantity: per_axis(units.get(quantity, "arcsec"), axes, Sign.POSITIVE)
             for quantity, axes in quantities_of(owner).items()
         }
-
-    sensors: dict[str, Any] = {
-        sensor: mapping_of(f"{sensor} limits", limits(sensor)) for sensor in SENSORS
-    }
-    return mapping_of("limits", sensors | limits(IMU) | {MISSION: _mission_type()})
+    )
 
 
-class RequirementBase(Ruled):
+LIMITS = table(
+    rows={
+        **{
+            sensor: Row(table(rows=_limits_on(sensor), title=f"{sensor} limits"))
+            for sensor in SENSORS
+        },
+        **_limits_on(IMU),
+        MISSION: Row(ON_MISSION),
+    },
+    title="limits",
+)
+
+
+class RequirementFile(Keyed):
     """What a calibrated system must hold."""
 
-    format: Literal["budget-requirement/1"] = "budget-requirement/1"
-    name: ShortText
-    coverage: Coverage | None = Field(
-        default=None, description=f"of the intervals; unset: {COVERAGE}"
-    )
-    reference: Literal["nominal", "as_tested", "next_turn_on"] | None = Field(
-        default=None,
-        description="error reference, what errors are counted from; unset: "
-        f"{REFERENCE}",
-    )
-    limits: Strict = Field(description="largest absolute errors allowed")
-    environment: Environment | None = ENVIRONMENT_FIELD
-    age: Age | None = AGE_FIELD
-    decision: Literal["each", "joint"] | None = Field(
-        default=None,
-        description="each (unset): every limit alone, at its coverage; joint: all of "
-        "them together, at the coverage of the requirement",
-    )
-    caps: Caps = Caps()
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "format": format_row("requirement"),
+        "name": Row(TEXT, is_needed=True),
+        "coverage": Row(COVER, f"of the intervals; unset: {COVERAGE}"),
+        "reference": Row(
+            one_of("nominal", "as_tested", "next_turn_on"),
+            f"error reference, what errors are counted from; unset: {REFERENCE}",
+        ),
+        "limits": Row(LIMITS, "largest absolute errors allowed", is_needed=True),
+        "environment": ENVIRONMENT_ROW,
+        "age": AGE_ROW,
+        "decision": Row(
+            one_of(EACH, JOINT),
+            "each (unset): every limit alone, at its coverage; joint: all of "
+            "them together, at the coverage of the requirement",
+        ),
+        "caps": Row(CAPS, usual={}),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "coverage",
             lambda it: _is_none(it.coverage),
@@ -218,10 +216,6 @@ class RequirementBase(Ruled):
         return ", ".join(sorted(name for name, times in number.items() if times > 1))
 
 
-_LIMITS: Any = (_limits_type(), RequirementBase.model_fields["limits"])
-RequirementFile = create_model("Requirement", __base__=RequirementBase, limits=_LIMITS)
-
-
 def read_requirement(document: YamlFile) -> Requirement:
     """Turn a requirement file into a record, in SI, one limit an output.
 
@@ -230,14 +224,14 @@ def read_requirement(document: YamlFile) -> Requirement:
     SpecError
         Every issue of the file.
     """
-    model = check(document, RequirementFile)
+    model: RequirementFile = check(document, table(RequirementFile))
     usual = {"coverage": COVERAGE, "reference": REFERENCE}
     return Requirement(
         name=model.name,
         coverage=0.95 if model.coverage is None else model.coverage.value,
         reference=model.reference or REFERENCE,
         limits=(*_limits(model.limits), *_mission_limits(model.limits)),
-        caps=tuple((key, text) for key, text in model.caps if text is not None),
+        caps=tuple(given_of(vars(model.caps)).items()),
         assumptions=tuple(
             sentence("assumed.usual", key=key, usual=word)
             for key, word in usual.items()
@@ -249,7 +243,7 @@ def read_requirement(document: YamlFile) -> Requirement:
     )
 
 
-def _limits(limits: Strict) -> tuple[Limit, ...]:
+def _limits(limits: Keyed) -> tuple[Limit, ...]:
     """Return the limits output by output, in the order of the outputs."""
     places = {sensor: getattr(limits, sensor) for sensor in SENSORS} | {IMU: limits}
     found: list[Limit] = []
@@ -268,12 +262,12 @@ def _limits(limits: Strict) -> tuple[Limit, ...]:
     return tuple(found)
 
 
-def _mission_limits(limits: Strict) -> tuple[Limit, ...]:
+def _mission_limits(limits: Keyed) -> tuple[Limit, ...]:
     """Return the limits on a mission, in the order of the file."""
     mission = getattr(limits, MISSION)
     found: list[Limit] = []
-    for key in () if mission is None else type(mission).model_fields:
-        for item in getattr(mission, key) or ():
+    for key, several in () if mission is None else given_of(vars(mission)).items():
+        for item in several:
             for word, quantity in item.named.items():
                 is_angle = key in PLACES["attitude"]
                 found.append(

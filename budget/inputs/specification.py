@@ -6,37 +6,38 @@ from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from math import isfinite, pi, sin, sqrt
-from typing import (
-    TYPE_CHECKING,
-    Annotated,
-    Any,
-    ClassVar,
-    Literal,
-    cast,
-    get_args,
-)
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
-from pydantic import Field, create_model
 
 from budget.distributions import BY_NAME, NORMAL, Distribution
 from budget.errors import UnitError
 from budget.inputs.changes import EXACT
 from budget.inputs.fields import (
-    Measured,
+    OWN,
+    TEXT,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
+    Rules,
     Sign,
-    Strict,
-    mapping_of,
+    given_of,
+    items,
+    meaning,
+    measured,
+    number,
+    one_of,
     or_text,
-    synonyms,
+    rows_of,
+    table,
 )
 from budget.inputs.records import ErrorLine
 from budget.inputs.tree import flow
 from budget.language import term
 from budget.model.sources import (
+    ACCELEROMETER,
     BAND,
     FLICKER,
     GYRO,
@@ -119,50 +120,42 @@ READINGS = (  # by the key that says it, '' where none does
 _ORDER = tuple(dict.fromkeys(word for _, group in READINGS for word in group))
 
 
-class SpecificationValue(Ruled):
+POSITIVE_TIME = measured("s", Sign.POSITIVE, bare=False)
+FREQUENCY = measured("Hz", Sign.POSITIVE)
+Form = dict[str, Any]  # fields of a line that follow from what its value means
+
+
+class SpecificationValue(Keyed):
     """What a file may say about one specification value, or about one axis of it.
 
     Attributes
     ----------
     of_axis : type or None
         What it may say about one axis, where that is less.
+    of_sensor : mapping of str to Rows
+        Rows that are others for a sensor.
     besides : str
         What it has to say besides the value, as a file writes it; '' if nothing.
     """
 
     of_axis: ClassVar[type[SpecificationValue] | None] = None
+    of_sensor: ClassVar[Mapping[str, Rows]] = {}
     besides: ClassVar[str] = ""
 
-    value: Quantity | None = None
-    meaning: Annotated[
-        Literal[
-            "1 sigma",
-            "2 sigma",
-            "3 sigma",
-            "rms",
-            "typical",
-            "max",
-            "peak to peak",
-            "exact",
-        ],
-        synonyms(MEANINGS),
-    ] = Field(
-        default="1 sigma",
-        description="what the maker means by the value; exact: by a 0 that is meant",
-    )
-    distribution: str | None = None
-    includes: ShortText | None = Field(
-        default=None, description="what the value contains"
-    )
-    horizon: ShortText | None = Field(
-        default=None, description="over what time it is given"
-    )
-    condition: ShortText | None = Field(
-        default=None, description="under what condition"
-    )
-    source: ShortText | None = Field(default=None, description="where it is printed")
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {  # value and distribution: of its own kind, below
+        "value": Row(OWN),
+        "meaning": Row(
+            meaning(*SIGMAS, *HALF_WIDTHS, EXACT, meant=MEANINGS),
+            "what the maker means by the value; exact: by a 0 that is meant",
+            usual="1 sigma",
+        ),
+        "distribution": Row(OWN),
+        "includes": Row(TEXT, "what the value contains"),
+        "horizon": Row(TEXT, "over what time it is given"),
+        "condition": Row(TEXT, "under what condition"),
+        "source": Row(TEXT, "where it is printed"),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "meaning",
             lambda it: it.meaning == EXACT and it.some_size,
@@ -196,25 +189,24 @@ class SpecificationValue(Ruled):
             getattr(one, "meaning", "") for one in (self, *self.by_axis.values())
         }
 
-    def form(self) -> _Form:
-        """Return what it means, where that may be one of several things."""
-        return _Form()
+    def form(self, _: str) -> Form:
+        """Return what follows of its meaning for a sensor, if that may be several.
+
+        Fields of its ErrorLine, and `notes` on what is assumed.
+        """
+        return {}
 
 
 class ConstantValue(SpecificationValue):
     """Specification value of a random constant."""
 
-    distribution: (
-        Annotated[
-            Literal["normal", "uniform", "triangular", "arcsine"], synonyms(SHAPES)
-        ]
-        | None
-    ) = Field(
-        default=None,
-        description="shape; unset: normal for a sigma, uniform for a half-width",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "distribution": Row(
+            one_of("normal", "uniform", "triangular", "arcsine", meant=SHAPES),
+            "shape; unset: normal for a sigma, uniform for a half-width",
+        )
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "distribution",
             lambda it: it.meaning in HALF_WIDTHS and it.distribution == "normal",
@@ -235,22 +227,29 @@ _LONE = (
     "is of the curve over a full scale, expected full_scale beside it ({{value: 30 "
     "ppm, full_scale: ..., %s: ...}}); or remove it"
 )
+_HALF = "half the range, over which the value is given"
 
 
 class NonlinearityValue(ConstantValue):
     """Specification value of a nonlinearity: a constant, or of a curve over a range."""
 
-    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
-    full_scale: Quantity | None = None  # of the sensor's own unit, below
-    line: Literal["best", "least_squares"] | None = Field(
-        default=None,
-        description="what the largest deviation is from; unset, with full_scale: best",
-    )
-    shape: Literal["cubic", "quadratic"] | None = Field(
-        default=None, description="of the curve; unset, with full_scale: cubic"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    of_axis = ConstantValue
+    of_sensor: ClassVar[Mapping[str, Rows]] = {
+        GYRO: {"full_scale": Row(measured("deg/s", Sign.POSITIVE), _HALF)},
+        ACCELEROMETER: {"full_scale": Row(measured("g", Sign.POSITIVE), _HALF)},
+    }
+    rows: ClassVar[Rows] = {
+        "full_scale": Row(OWN),
+        "line": Row(
+            one_of("best", "least_squares"),
+            "what the largest deviation is from; unset, with full_scale: best",
+        ),
+        "shape": Row(
+            one_of("cubic", "quadratic"),
+            "of the curve; unset, with full_scale: cubic",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule("line", lambda it: it.line and not it.full_scale, _LONE % "line"),
         Rule(
             "shape",
@@ -259,103 +258,82 @@ class NonlinearityValue(ConstantValue):
         ),
     )
 
-    def form(self) -> _Form:
+    def form(self, sensor: str) -> Form:
         """Return the curve as the coefficient of its power [SI].
 
         NL R is the largest deviation of K_p x^p from the line over -R to R: of the best
         (minimax) line K3 R^3/4 and K2 R^2/2, of that of least squares 2 K3 R^3/5 and
-        2 K2 R^2/3.
+        2 K2 R^2/3. A full scale is said without g, which may be another one elsewhere.
         """
-        if self.full_scale is None:
-            return _Form(notes=(sentence("values.no_full_scale"),))
+        scale = self.full_scale
+        if scale is None:
+            return {"notes": [sentence("values.no_full_scale")]}
         line, shape = self.line or "best", self.shape or "cubic"
         power = 3 if shape == "cubic" else 2
         unsaid = {"values.no_line": self.line, "values.no_shape": self.shape}
-        part = DEVIATIONS[shape, line] * self.full_scale.value ** (power - 1)
-        return _Form(
-            form=shape,
-            factor=1.0 / part,
-            says=(("full_scale", self.lasting), ("line", line), ("shape", shape)),
-            definition=f"{shape}, from the {line} line over {self.full_scale.printed}",
-            notes=tuple(sentence(key) for key, said in unsaid.items() if not said),
-        )
-
-    @property
-    def lasting(self) -> str:
-        """The full scale as any file has it."""
-        return self.full_scale.printed if self.full_scale else ""
+        lasting = scale.printed if sensor == GYRO else f"{scale.value!r} m/s^2"
+        return {
+            "form": shape,
+            "factor": 1.0 / (DEVIATIONS[shape, line] * scale.value ** (power - 1)),
+            "says": (("full_scale", lasting), ("line", line), ("shape", shape)),
+            "definition": f"{shape}, from the {line} line over {scale.printed}",
+            "notes": [sentence(key) for key, said in unsaid.items() if not said],
+        }
 
 
-class RateNonlinearity(NonlinearityValue):
-    """Of a gyro."""
-
-    full_scale: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
-        default=None, description="half the range, over which the value is given"
-    )
+_WHOSE = "whose sign decides which scale factor applies"
 
 
-class ForceNonlinearity(NonlinearityValue):
-    """Of an accelerometer."""
+class AsymmetryValue(ConstantValue):
+    """Specification value of an asymmetry; an accelerometer knows of no turns."""
 
-    full_scale: Annotated[Quantity, Measured("g", Sign.POSITIVE)] | None = Field(
-        default=None, description="half the range, over which the value is given"
-    )
+    of_axis = ConstantValue
+    of_sensor: ClassVar[Mapping[str, Rows]] = {
+        GYRO: {"sign_of": Row(one_of("turn", "input"), _WHOSE, usual="turn")},
+        ACCELEROMETER: {"sign_of": Row(one_of("input"), _WHOSE, usual="input")},
+    }
 
-    @property
-    def lasting(self) -> str:
-        """The full scale without g, which may be another one elsewhere."""
-        return f"{self.full_scale.value!r} m/s^2" if self.full_scale else ""
-
-
-class RateAsymmetry(ConstantValue):
-    """Of a gyro."""
-
-    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
-    sign_of: Literal["turn", "input"] = Field(
-        default="turn", description="whose sign decides which scale factor applies"
-    )
-
-    def form(self) -> _Form:
+    def form(self, _: str) -> Form:
         """Return whose sign decides."""
-        if "sign_of" not in self.model_fields_set:
-            return _Form()
-        return _Form(
-            form=self.sign_of,
-            says=(("sign_of", self.sign_of),),
-            definition=f"by the sign of the {self.sign_of}",
-        )
+        if "sign_of" not in self.given:
+            return {}
+        return {
+            "form": self.sign_of,
+            "says": (("sign_of", self.sign_of),),
+            "definition": f"by the sign of the {self.sign_of}",
+        }
 
 
-class ForceAsymmetry(RateAsymmetry):
-    """Of an accelerometer, which knows of no turns."""
-
-    sign_of: Literal["input"] = Field(
-        default="input", description="whose sign decides which scale factor applies"
-    )
-
-
-Time = Annotated[Quantity, Measured("s", Sign.POSITIVE)]
-
-
-class Earlier(Strict):
+class Earlier(Keyed):
     """What a maker prints of the same parameter for a shorter horizon."""
 
-    value: Quantity
-    horizon: Time = Field(description="time after which it has gone that far")
+    rows: ClassVar[Rows] = {
+        "value": Row(OWN, is_needed=True),
+        "horizon": Row(
+            POSITIVE_TIME, "time after which it has gone that far", is_needed=True
+        ),
+    }
 
 
 class AgeingValue(ConstantValue):
     """Specification value of what a parameter has gone a time after its calibration."""
 
-    of_axis: ClassVar[type[SpecificationValue] | None] = ConstantValue
-    besides: ClassVar[str] = "horizon: 1 year"
-    horizon: Time = Field(description="time after which it has gone that far")  # type: ignore[assignment]
-    law: Literal["drift", "random_walk"] | None = Field(
-        default=None, description="of other times; unset: what gives the larger value"
-    )
-    earlier: tuple[Earlier, ...] = ()  # of the line's own unit, below
+    of_axis = ConstantValue
+    besides = "horizon: 1 year"
 
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "horizon": Row(
+            POSITIVE_TIME, "time after which it has gone that far", is_needed=True
+        ),
+        "law": Row(
+            one_of("drift", "random_walk"),
+            "of other times; unset: what gives the larger value",
+        ),
+        "earlier": Row(
+            items(OWN), "what is printed for shorter horizons, of all axes", usual=()
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "earlier",
             lambda it: it.earlier and not (it.value and it.value.value),
@@ -384,101 +362,92 @@ class AgeingValue(ConstantValue):
         }
         return {**super()._faults(), **times, **sizes}
 
-    def form(self) -> _Form:
+    def form(self, _: str) -> Form:
         """Return its law, and its size at the horizons that are printed."""
         size = self.value.value if self.value else 1.0
         law = "" if self.law is None else f", {words(self.law)}"
         before = "".join(
             f", {one.value.printed} after {one.horizon.printed}" for one in self.earlier
         )
-        return _Form(
-            form=self.law or "",
-            horizons=(
+        return {
+            "form": self.law or "",
+            "horizons": (
                 *((one.horizon.value, one.value.value / size) for one in self.earlier),
                 (self.horizon.value, 1.0),
             ),
-            says=(
+            "says": (
                 ("horizon", self.horizon.printed),
                 *((("law", self.law),) if self.law else ()),
             ),
-            definition=f"after {self.horizon.printed}{law}{before}",
-            notes=() if self.law else (sentence("values.no_law"),),
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Form:
-    """What a file means by a value that can be meant in several ways."""
-
-    form: str = ""
-    factor: float = 1.0  # [SI]
-    reading: float = 1.0  # part of it that is no unit [1]
-    low_cut: float | None = None  # [Hz]
-    horizons: tuple[tuple[float, float], ...] = ()  # [s, 1]
-    says: tuple[tuple[str, str], ...] = ()
-    definition: str = ""
-    notes: tuple[str, ...] = ()
+            "definition": f"after {self.horizon.printed}{law}{before}",
+            "notes": [] if self.law else [sentence("values.no_law")],
+        }
 
 
 class ProcessValue(SpecificationValue):
     """Specification value of a random process."""
 
-    distribution: Annotated[Literal["normal"], synonyms(GAUSSIAN)] | None = Field(
-        default=None, description="a process is normal"
-    )
+    rows: ClassVar[Rows] = {
+        "distribution": Row(one_of("normal", meant=GAUSSIAN), "a process is normal")
+    }
 
 
-class Filter(Strict):
+class Filter(Keyed):
     """Butterworth filter that noise has passed; of order 1 a simple pole."""
 
-    corner: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] = Field(
-        description="where it lets half of the power pass"
-    )
-    order: Annotated[int, Field(ge=1, le=20)] = Field(description="number of its poles")
+    rows: ClassVar[Rows] = {
+        "corner": Row(
+            FREQUENCY, "where it lets half of the power pass", is_needed=True
+        ),
+        "order": Row(number(1, 20), "number of its poles", is_needed=True),
+    }
 
 
 class SampleNoiseValue(ProcessValue):
     """Specification value of a noise of every sample, or of the rms in a band."""
 
-    of_axis: ClassVar[type[SpecificationValue] | None] = ProcessValue
-    bandwidth: Annotated[Filter, or_text(Measured("Hz", Sign.POSITIVE))] | None = Field(
-        default=None,
-        description="noise bandwidth B of an rms, N = rms/sqrt(2 B); unset: of samples",
-    )
+    of_axis = ProcessValue
+    rows: ClassVar[Rows] = {
+        "bandwidth": Row(
+            or_text(table(Filter), FREQUENCY),
+            "noise bandwidth B of an rms, N = rms/sqrt(2 B); unset: of samples",
+        )
+    }
 
-    def form(self) -> _Form:
+    def form(self, _: str) -> Form:
         """Return the random walk of an rms in a one-sided noise bandwidth B [Hz].
 
         rms^2 = 2 N^2 B of white noise N, with B = f_c (pi/2n)/sin(pi/2n) of a
         Butterworth filter of order n, the integral of 1/(1 + (f/f_c)^2n): pi/2 f_c of
         the first order.
         """
-        if self.bandwidth is None:
-            return _Form()
-        band: Filter | Quantity = self.bandwidth
+        band = self.bandwidth
+        if band is None:
+            return {}
         if isinstance(band, Quantity):
             B, said = band.value, band.printed
         else:
             angle = pi / (2.0 * band.order)
             B = band.corner.value * angle / sin(angle)
             said = flow({"corner": band.corner.printed, "order": band.order})
-        return _Form(
-            form=BAND,
-            factor=1.0 / sqrt(2.0 * B),
-            says=(("bandwidth", said),),
-            definition=f"rms in a noise bandwidth of {B:.4g} Hz",
-        )
+        return {
+            "form": BAND,
+            "factor": 1.0 / sqrt(2.0 * B),
+            "says": (("bandwidth", said),),
+            "definition": f"rms in a noise bandwidth of {B:.4g} Hz",
+        }
 
 
 class WalkValue(ProcessValue):
     """Value of a random walk, as its coefficient N or as a density of noise."""
 
-    density: Literal["one-sided", "two-sided"] | None = Field(
-        default=None,
-        description="of a value per root of hertz; unset: open, the larger N = D taken",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "density": Row(
+            one_of(*SIDES),
+            "of a value per root of hertz; unset: open, the larger N = D taken",
+        )
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "density",
             lambda it: it.density and it.some_walk,
@@ -502,19 +471,19 @@ class WalkValue(ProcessValue):
 class StabilityValue(ProcessValue):
     """Specification value of the bias stability."""
 
-    definition: Literal["sigma", "allan_minimum"] = Field(
-        default="sigma",
-        description="sigma of the process, or the lowest point of the Allan curve",
-    )
-    correlation_time: Time | None = Field(
-        default=None,
-        description="of the process; unset: 300 s of a sigma, none of a flicker",
-    )
-    averaging_time: Time | None = Field(
-        default=None, description="at which the Allan curve is lowest"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "definition": Row(
+            one_of("sigma", FLOOR),
+            "sigma of the process, or the lowest point of the Allan curve",
+            usual="sigma",
+        ),
+        "correlation_time": Row(
+            POSITIVE_TIME,
+            "of the process; unset: 300 s of a sigma, none of a flicker",
+        ),
+        "averaging_time": Row(POSITIVE_TIME, "at which the Allan curve is lowest"),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "definition",
             lambda it: it.definition == FLOOR and SIGMAS.get(it.meaning, 1.0) != 1.0,
@@ -560,63 +529,63 @@ class StabilityValue(ProcessValue):
         own = [one for one in axes if isinstance(one, StabilityValue)]
         return own if own and len(own) == len(axes) else [self, *own]
 
-    def form(self) -> _Form:
+    def form(self, _: str) -> Form:
         """Return flicker noise, whose Allan deviation is 0.664 B at its floor."""
         floors = [one.averaging_time for one in self.parts if one.averaging_time]
         shortest = min(floors, key=lambda one: one.value, default=None)
         says = (("averaging_time", shortest.printed),) if shortest else ()
         if not all(part.is_flicker for part in self.parts):
-            return _Form(says=says)
-        return _Form(
-            form=FLICKER,
-            factor=1.0 / ALLAN_MINIMUM,
-            reading=1.0 / ALLAN_MINIMUM,
-            low_cut=LOW_CUT,
-            says=(("definition", FLOOR), *says),
-            definition=FLOOR,
-            notes=(
+            return {"says": says}
+        return {
+            "form": FLICKER,
+            "factor": 1.0 / ALLAN_MINIMUM,
+            "reading": 1.0 / ALLAN_MINIMUM,
+            "low_cut": LOW_CUT,
+            "says": (("definition", FLOOR), *says),
+            "definition": FLOOR,
+            "notes": [
                 sentence("values.floor_as_flicker", minimum=ALLAN_MINIMUM),
                 sentence("values.low_cut"),
-            ),
-        )
+            ],
+        }
 
 
 class FlickerValue(ProcessValue):
     """Specification value of a flicker."""
 
-    of_axis: ClassVar[type[SpecificationValue] | None] = ProcessValue
-    definition: Literal["coefficient", "allan_minimum"] = Field(
-        default="coefficient",
-        description="B itself, or the lowest point of the Allan curve, 0.664 B",
-    )
-    low_cut: Annotated[Quantity, Measured("Hz", Sign.POSITIVE)] | None = Field(
-        default=None, description="below which it has no power; unset: once a day"
-    )
+    of_axis = ProcessValue
+    rows: ClassVar[Rows] = {
+        "definition": Row(
+            one_of("coefficient", FLOOR),
+            "B itself, or the lowest point of the Allan curve, 0.664 B",
+            usual="coefficient",
+        ),
+        "low_cut": Row(FREQUENCY, "below which it has no power; unset: once a day"),
+    }
 
-    def form(self) -> _Form:
+    def form(self, _: str) -> Form:
         """Return its coefficient and its low cut."""
         own = self.low_cut
         reading = 1.0 / ALLAN_MINIMUM if self.definition == FLOOR else 1.0
-        return _Form(
-            factor=reading,
-            reading=reading,
-            low_cut=own.value if own else LOW_CUT,
-            says=(
+        return {
+            "factor": reading,
+            "reading": reading,
+            "low_cut": own.value if own else LOW_CUT,
+            "says": (
                 ("definition", self.definition),
                 ("low_cut", own.printed if own else f"{LOW_CUT!r} Hz"),
             ),
-            definition=f"{self.definition}, no power below "
+            "definition": f"{self.definition}, no power below "
             + (own.printed if own else "once a day"),
-            notes=() if own else (sentence("values.low_cut"),),
-        )
+            "notes": [] if own else [sentence("values.low_cut")],
+        }
 
 
 class Whole(SpecificationValue):
     """Specification value for all axes, some of which may say otherwise."""
 
-    axes: Strict | None = None
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {"axes": Row(OWN)}
+    rules: ClassVar[Rules] = (
         Rule(
             (),
             lambda it: it.value is None and it.axes is None,
@@ -638,7 +607,13 @@ class Whole(SpecificationValue):
 class Open(Whole):
     """Specification value whose meaning the maker may leave open."""
 
-    reading: tuple[str, ...] = ()
+    rows: ClassVar[Rows] = {
+        "reading": Row(
+            items(OWN),
+            "what the value may mean, where the maker leaves it open: all are computed",
+            usual=(),
+        )
+    }
 
     def _faults(self) -> dict[tuple[str | int, ...], str]:
         """Return what is wrong with words that do not leave one thing open."""
@@ -658,10 +633,7 @@ class Open(Whole):
                 ),
             ),
             (not keys, f"{found} words that exclude one another: {groups}"),
-            (
-                key in self.model_fields_set,
-                f"leaves open what {key!r} says, expected one of them",
-            ),
+            (key in self.given, f"leaves open what {key!r} says, expected one of them"),
             (
                 any(isinstance(one, SpecificationValue) for one in own),
                 (
@@ -698,27 +670,58 @@ class ReadValue:
     assumptions: tuple[str, ...]
 
 
-def value_type(line: Source, sensor: str) -> Any:  # noqa: ANN401
-    """Return the type of a value of that line: a text or a mapping."""
-    beside = beside_of(line, sensor)
-    family = _family(line, sensor)
-    is_open = line.varies and sensor in SENSORS
-    readings = tuple(
-        word for group in readings_of(line, sensor) for word in group if is_open
+@cache
+def value_of(line: Source, sensor: str) -> Kind:
+    """Return the kind of a value of that line: a text, or a mapping of its family."""
+    family = _family(line)
+    size = measured(
+        line.like(sensor), Sign.ANY if line.is_signed else Sign.NOT_NEGATIVE
     )
-    sign = Sign.ANY if line.is_signed else Sign.NOT_NEGATIVE
-    measured = Measured(line.like(sensor), sign)
-    return _value_type(measured, family, line.axes, beside, readings, keys=line.keys)
+    title = f"{family.__name__.removesuffix('Value')} in {line.like(sensor)}"
+    own = family.of_sensor.get(sensor, {})
+    needed: Rows = {"value": Row(size, is_needed=True)}
+    if line.axes == ONE_VALUE:
+        alone = table(family, {**own, **needed}, title)
+        return or_text(alone, size, family.besides)
+    of_axis = family.of_axis or family
+    one_axis = or_text(table(of_axis, needed, f"{title}, one axis"), size)
+    by_axis = rows_of(dict.fromkeys(line.axes, one_axis))
+    beside = beside_of(line, sensor)
+    is_open = line.varies and sensor in SENSORS
+    readings = tuple(word for group in readings_of(line) for word in group if is_open)
+    every: dict[str, Row | None] = {
+        "reading": replace(Open.rows["reading"], kind=items(one_of(*readings)))
+        if readings
+        else None,
+        "value": Row(size),
+        "axes": Row(table(rows=by_axis, title=f"{title}, by axis")),
+        "adds_to": Row(one_of(beside), f"what is no part of {beside}, given as well")
+        if beside
+        else None,
+        "earlier": replace(
+            family.rows["earlier"],
+            kind=items(table(Earlier, needed, f"{title}, earlier")),
+        )
+        if "earlier" in family.rows
+        else None,
+        **{
+            one.name: Row(measured(one.unit, Sign.POSITIVE), one.says)
+            for one in line.keys
+        },
+    }
+    bases = (family, Open if readings else Whole)
+    whole = type(family.__name__, bases, {"__doc__": family.__doc__})
+    return or_text(
+        table(whole, {**own, **given_of(every)}, title), size, family.besides
+    )
 
 
-def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
+def readings_of(line: Source) -> tuple[tuple[str, ...], ...]:
     """Return what a value of that line may mean: lists of words that exclude others."""
-    fields = _family(line, sensor).model_fields
-    definition = fields.get("definition")
+    rows = _family(line).rows
+    defined = rows["definition"].kind.allowed if "definition" in rows else ()
     fits: dict[str, Callable[[tuple[str, ...]], object]] = {
-        "definition": lambda group: (
-            definition and {*group} <= {*get_args(definition.annotation)}
-        ),
+        "definition": lambda group: {*group} <= {*defined},
         "": lambda group: (
             line.axes == AXES
             if group == (PER_AXIS, TOGETHER)
@@ -728,7 +731,7 @@ def readings_of(line: Source, sensor: str) -> tuple[tuple[str, ...], ...]:
     return tuple(
         group
         for key, group in READINGS
-        if (fits[key](group) if key in fits else key in fields)
+        if (fits[key](group) if key in fits else key in rows)
     )
 
 
@@ -757,7 +760,7 @@ def read_value(
     `known` how its maker means it.
     """
     if isinstance(given, Quantity):
-        given = _family(line, sensor)(value=given)
+        given = _family(line).of(value=given)
     # In an order that is not the file's: of equal ones, what stays in this line.
     words = tuple(sorted(getattr(given, "reading", ()), key=_ORDER.index))
     is_sided = isinstance(given, WalkValue) and given.is_open and not words
@@ -791,12 +794,10 @@ def _under(
         other = source_of(sensor, line.over_temperature)
         same = ("value", "axes", "meaning", "includes", "condition", "source")
         kept = {key: getattr(given, key) for key in same}
-        return _read(other, sensor, Residual.model_construct(**kept))
+        return _read(other, sensor, Residual.of(**kept))
     key = next(key for key, group in READINGS if word in group)
     says: dict[str, object] = {"reading": (), **({key: word} if key else {})}
-    part = given.model_copy(update=says)
-    part.model_fields_set.update(says)
-    one = _read(line, sensor, part)
+    one = _read(line, sensor, given.but(**says))
     if word != TOGETHER:
         return one
     factor = 1.0 / sqrt(len(line.axes))
@@ -823,8 +824,8 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     N = D / sqrt(2) if it is one-sided (rms in a band B is D sqrt(B)), and N = D if not:
     the larger, which is taken where nobody says it.
     """
-    family = _family(line, sensor)
-    part = family(value=given) if isinstance(given, Quantity) else given
+    family = _family(line)
+    part = family.of(value=given) if isinstance(given, Quantity) else given
     named = line.axes if part.by_axis else line.axes[:1]
     axes = [_axis(part, axis) for axis in named] * (len(line.axes) // len(named))
     notes = list(dict.fromkeys(text for a in axes for text in a.notes))
@@ -850,11 +851,12 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         return ", ".join(f"{axis} {word}" for axis, word in named if word)
 
     times = [a.correlation_time for a in axes if a.correlation_time is not None]
-    form = part.form()
+    usual: Form = {"notes": (), "says": (), "factor": 1.0, "definition": ""}
+    form = usual | part.form(sensor)
     given_keys = {one: getattr(part, one.name, None) for one in line.keys}
     unsaid = [one.name for one, quantity in given_keys.items() if quantity is None]
     form_notes = [
-        *form.notes,
+        *form["notes"],
         *(
             sentence("values.usual_key", key=one.name, size=_usual(one))
             for one in line.keys
@@ -868,7 +870,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
     )
     taken = ErrorLine(
         name=line.name,
-        u=np.array([a.u for a in axes]) * form.factor,
+        u=np.array([a.u for a in axes]) * form["factor"],
         distributions=tuple(NORMAL if line.process else a.shape for a in axes),
         own={
             one.name: one.usual if quantity is None else quantity.value
@@ -879,17 +881,17 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         unit=axes[0].quantity.unit,
         si_per_unit=axes[0].quantity.si_per_unit
         * WALK_PER_DENSITY[axes[0].density]
-        * form.factor,
-        low_cut=None if form.low_cut is None else np.full(len(axes), form.low_cut),
-        form=form.form,
-        horizons=form.horizons,
-        factor=form.factor,
-        reading=form.reading,
-        says=(*form.says, *(one for one in own_says if one[0] not in unsaid)),
+        * form["factor"],
+        low_cut=np.full(len(axes), form["low_cut"]) if "low_cut" in form else None,
+        form=form.get("form", ""),
+        horizons=form.get("horizons", ()),
+        factor=form["factor"],
+        reading=form.get("reading", 1.0),
+        says=(*form["says"], *(one for one in own_says if one[0] not in unsaid)),
         density=axes[0].density,
         adds_to=getattr(part, "adds_to", None) or "",
         meaning=say([_meaning(line, a.part) for a in axes]),
-        definition=form.definition
+        definition=form["definition"]
         or say([a.definition for a in axes])
         or ", ".join(f"{words(name)} {text}" for name, text in own_says),
         includes=say([a.part.includes or "" for a in axes]),
@@ -934,107 +936,28 @@ def standard_size(quantity: Quantity, density: str = "") -> float:
     return quantity.value * WALK_PER_DENSITY[density or TWO_SIDED]
 
 
-@cache
-def _value_type(
-    measured: Measured,
-    family: type[SpecificationValue],
-    axes: tuple[str, ...],
-    beside: str,
-    readings: tuple[str, ...],
-    *,
-    keys: tuple[Key, ...],
-) -> Any:  # noqa: ANN401
-    """Return the type of the values that have this unit and these axes.
-
-    `beside` is a line of which the value may say that it is no part of it; `readings`
-    are what it may mean, `keys` what it may say besides.
-    """
-    value = Annotated[Quantity, measured]
-    title = f"{family.__name__.removesuffix('Value')} in {measured.like}"
-    text = or_text(measured, family.besides)
-    if axes == ONE_VALUE:
-        alone = create_model(title, __base__=family, value=(value, ...))
-        return Annotated[alone, text]
-    of_axis = family.of_axis or family
-    one_axis = create_model(f"{title}, one axis", __base__=of_axis, value=(value, ...))
-    one_axis = Annotated[one_axis, or_text(measured)]  # type: ignore[assignment]
-    by_axis = mapping_of(f"{title}, by axis", dict.fromkeys(axes, one_axis))
-    earlier: Any = None
-    open_word: Any = Literal[readings or ("",)]
-    line: Any = Literal[beside]
-    if issubclass(family, AgeingValue):
-        name = f"{title}, earlier"
-        earlier = create_model(name, __base__=Earlier, value=(value, ...))
-    every = (
-        (
-            readings,
-            "reading",
-            tuple[open_word, ...],
-            (),
-            "what the value may mean, where the maker leaves it open: all are computed",
-        ),
-        (True, "value", value | None, None, None),
-        (True, "axes", by_axis | None, None, None),
-        (
-            beside,
-            "adds_to",
-            line | None,
-            None,
-            f"what is no part of {beside}, given as well",
-        ),
-        (
-            earlier,
-            "earlier",
-            tuple[earlier, ...],
-            (),
-            "what is printed for shorter horizons, of all axes",
-        ),
-        *(
-            (
-                True,
-                one.name,
-                Annotated[Quantity, Measured(one.unit, Sign.POSITIVE)] | None,
-                None,
-                one.says,
-            )
-            for one in keys
-        ),
-    )
-    fields: dict[str, Any] = {
-        key: (kind, Field(usual, description=says) if says else usual)
-        for is_there, key, kind, usual, says in every
-        if is_there
-    }
-    base = Open if readings else Whole
-    whole = create_model(title, __base__=(family, base), **fields)
-    return Annotated[whole, text]
-
-
 # What a file may say of values that are more than those of a constant or a process, by
-# the word of the row; where sensors differ, of a gyro and of an accelerometer.
-FAMILIES: Mapping[str, tuple[type[SpecificationValue], ...]] = {
-    "nonlinearity": (RateNonlinearity, ForceNonlinearity),
-    "asymmetry": (RateAsymmetry, ForceAsymmetry),
-    "sample_noise": (SampleNoiseValue,),
-    "flicker": (FlickerValue,),
-    "ageing": (AgeingValue,),
-    "stability": (StabilityValue,),
-    "walk": (WalkValue,),
+# the word of the row.
+FAMILIES: Mapping[str, type[SpecificationValue]] = {
+    "nonlinearity": NonlinearityValue,
+    "asymmetry": AsymmetryValue,
+    "sample_noise": SampleNoiseValue,
+    "flicker": FlickerValue,
+    "ageing": AgeingValue,
+    "stability": StabilityValue,
+    "walk": WalkValue,
 }
 
 
-def _family(line: Source, sensor: str) -> type[SpecificationValue]:
+def _family(line: Source) -> type[SpecificationValue]:
     """Return what a file may say about a value of that line."""
-    usual = ProcessValue if line.process else ConstantValue
-    families = FAMILIES.get(line.value, (usual,))
-    return families[0] if sensor == GYRO else families[-1]
+    return FAMILIES.get(line.value, ProcessValue if line.process else ConstantValue)
 
 
 def _meaning(line: Source, part: SpecificationValue) -> str:
     """Return what a value means; of what is no spread, unless it is said, just that."""
-    if line.varies or "meaning" in part.model_fields_set:
-        return part.meaning
-    return FIXED
+    is_said = line.varies or "meaning" in part.given
+    return str(part.meaning) if is_said else FIXED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1069,7 +992,7 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
     part = own if isinstance(own, SpecificationValue) else given
     # Whole lets no value pass that leaves an axis without a value.
     quantity = cast("Quantity", own if isinstance(own, Quantity) else part.value)
-    lost = given.model_fields_set - part.model_fields_set
+    lost = given.given - part.given
     is_bound, is_process = part.meaning in HALF_WIDTHS, isinstance(part, ProcessValue)
     usual = "uniform" if is_bound and not is_process else "normal"
     shape = BY_NAME[part.distribution or usual]
@@ -1078,7 +1001,7 @@ def _axis(given: SpecificationValue, axis: str) -> _Axis:
         density, open_density = part.density or TWO_SIDED, part.density is None
     definition, time, no_time = "", None, False
     if isinstance(part, StabilityValue) and not part.is_flicker:
-        definition = part.definition if "definition" in part.model_fields_set else ""
+        definition = part.definition if "definition" in part.given else ""
         no_time = part.correlation_time is None
         time = CORRELATION_TIME
         if part.correlation_time is not None:

@@ -5,34 +5,39 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from pydantic import AfterValidator, Field
 
-from budget.inputs.checking import check, nearest
+from budget.inputs.checking import nearest
 from budget.inputs.fields import (
-    Or,
+    TEXT,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
     Rule,
-    Ruled,
-    ShortText,
-    Strict,
-    either,
+    Rules,
+    check,
     fault,
-    mapping_of,
+    format_row,
+    items,
     not_rising,
+    one_of,
+    or_else,
+    table,
 )
 from budget.inputs.files import exists, find, shipped_names
 from budget.inputs.reader import refuse
 from budget.inputs.records import Origin, Station
-from budget.inputs.specification import Time, read_value, value_type
-from budget.inputs.tree import describe
+from budget.inputs.specification import POSITIVE_TIME, read_value, value_of
+from budget.inputs.tree import Node, describe
 from budget.inputs.use import (
+    AGE_KIND,
     IN_TEST,
     LINES,
     NONE,
     OPTION,
-    Age,
     of_the_test,
     or_part,
     read_age,
@@ -48,8 +53,6 @@ from budget.names import MISSION, Name, keys_of, words
 from budget.sentences import sentence
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
     from budget.inputs.files import NamedFile
     from budget.inputs.records import ErrorLine, Procedure
     from budget.inputs.specification import ReadValue
@@ -72,17 +75,17 @@ _TIMED = {
 }
 
 
-class Timed(Ruled):
+class Timed(Keyed):
     """A level of station or environment, some of whose values need a time beside."""
 
-    rules: ClassVar[tuple[Rule, ...]] = tuple(
+    rules: ClassVar[Rules] = tuple(
         rule
         for time, key in _TIMED.items()
         for rule in (
             Rule(
                 key,
                 lambda it, time=time, key=key: (
-                    time in type(it).model_fields
+                    time in vars(it)
                     and getattr(it, time) is None
                     and getattr(it, key) is not None
                 ),
@@ -99,17 +102,32 @@ class Timed(Ruled):
     )
 
 
-def _check_rising(times: tuple[Quantity, ...]) -> tuple[Quantity, ...]:
-    """Refuse times that do not rise."""
+def _check_rising(node: Node, gravity: float, read: Any) -> object:  # noqa: ANN401
+    """Read times, and refuse those that do not rise."""
+    times = read(node, gravity)
     says = "found {after!r} after {one!r}, expected times that rise"
     for text in not_rising(times, "", says).values():
         raise fault(text)
     return times
 
 
+SOAKS = or_else(items(POSITIVE_TIME, least=1, most=MOST_POINTS), _check_rising)
+# What a station says besides its figures, and what an unset word means.
+WORDS = {
+    "scale_from": Row(
+        one_of(ANGLE, RATE),
+        "what scale factors of gyros are taken from; unset: angle, of whole turns",
+    ),
+    "window": Row(
+        one_of(*EDGES),
+        "where windows of turns are cut: index of the table, rest, time; unset: index",
+    ),
+}
+
+
 @cache
-def surroundings_type(owner: str) -> Any:  # noqa: ANN401
-    """Return the type of the mapping of that owner, nested as its names are dotted."""
+def surroundings(owner: str) -> Kind:
+    """Return the rows of that owner, nested as its names are dotted; of none too."""
     tree: dict[str, Any] = {}
     for source in lines_of(owner):
         *folders, last = keys_of(source.name)
@@ -117,15 +135,33 @@ def surroundings_type(owner: str) -> Any:  # noqa: ANN401
         for folder in folders:
             branch = branch.setdefault(folder, {})
         branch[last] = source
-    return _mapping(owner, owner, tree, WORDS if owner == STATION else {})
+    if owner == STATION:
+        return _level(owner, owner, tree, WORDS)
+    return or_part(_level(owner, owner, tree, {}), words={NONE: IN_TEST})
 
 
-def environment_type() -> Any:  # noqa: ANN401
-    """Return the type of an environment, which may be none."""
-    return Annotated[surroundings_type(ENVIRONMENT), or_part(words={NONE: IN_TEST})]
+def _level(title: str, owner: str, tree: dict[str, Any], words: Rows) -> Kind:
+    """Return the rows of one level of the mapping."""
+    rows = {**words}
+    for key, branch in tree.items():
+        if isinstance(branch, dict):
+            level: Kind = _level(f"{title} {key}", owner, branch, {})
+            # 'temperature: 20 degC' is that of the use, as in a requirement.
+            if MISSION in branch and branch[MISSION].name in LINES:
+                level = or_part(level, key=MISSION)
+            rows[key] = Row(level)
+            continue
+        source: Source = branch
+        own = AGE_KIND if source.name == AGE else value_of(source, owner)
+        rows[key] = Row(own, source.model)
+        if source.time:
+            rows[source.time] = Row(POSITIVE_TIME, f"of {key}")
+        if source.points:
+            rows[source.points] = Row(SOAKS, f"of {key}: {POINTS}")
+    return table(Timed, rows, title)
 
 
-def take_surroundings(owner: str, mapping: Strict | None) -> tuple[ReadValue, ...]:
+def take_surroundings(owner: str, mapping: Keyed | None) -> tuple[ReadValue, ...]:
     """Return the sources that a mapping of that owner names, in the table's order."""
     taken = []
     for source in lines_of(owner):
@@ -170,33 +206,33 @@ def describe_surroundings(owner: str, taken: tuple[ReadValue, ...]) -> tuple[str
     )
 
 
-def _read_file(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+def _read_file(node: Node, gravity: float, mapping: Any) -> object:  # noqa: ANN401
     """Read a mapping, or the name of a station file."""
+    value = node.value
     if not isinstance(value, str):
-        return mapping(value)
+        return mapping(node, gravity)
     if not value.strip() or len(value) > LONGEST_NAME or "\x00" in value:
         raise fault("is no file name, expected one, or a mapping of keys")
     return value
 
 
 _NAME = {"type": "string", "description": "a station file, or a shipped one"}
-OR_FILE = Or(_read_file, lambda schema: either(_NAME, schema))
+OR_FILE = or_else(surroundings(STATION), _read_file, _NAME)
 
 
-class StationFile(Ruled):
+class StationFile(Keyed):
     """A test station: what is not known of its table, its place and its environment."""
 
-    format: Literal["budget-station/1"] = "budget-station/1"
-    name: ShortText | None = Field(default=None, description="unset: the file's name")
-    station: surroundings_type(STATION) | None = Field(  # type: ignore[valid-type]
-        default=None, description="uncertainties of table, place and timing"
-    )
-    environment: environment_type() | None = Field(  # type: ignore[valid-type]
-        default=None,
-        description="what changes during the calibration; unset: nothing",
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "format": format_row("station"),
+        "name": Row(TEXT, "unset: the file's name"),
+        STATION: Row(surroundings(STATION), "uncertainties of table, place and timing"),
+        ENVIRONMENT: Row(
+            surroundings(ENVIRONMENT),
+            "what changes during the calibration; unset: nothing",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "station",
             lambda it: it.station is None,
@@ -213,7 +249,7 @@ def read_station(document: YamlFile) -> Station:
     SpecError
         Every issue of the file.
     """
-    model = check(document, StationFile)
+    model: StationFile = check(document, table(StationFile))
     return station_of(
         model.station,
         model.environment,
@@ -223,7 +259,7 @@ def read_station(document: YamlFile) -> Station:
 
 
 def station_of(
-    station: Strict | None, environment: Strict | None, *, name: str, origin: Origin
+    station: Keyed | None, environment: Keyed | None, *, name: str, origin: Origin
 ) -> Station:
     """Return the record of both mappings, as a file of either kind holds them."""
     shared = {
@@ -256,7 +292,7 @@ def station_of(
     )
 
 
-def _unsaid(station: Strict | None) -> tuple[str, ...]:
+def _unsaid(station: Keyed | None) -> tuple[str, ...]:
     """Say which words a station leaves out that its figures need."""
     needed = {"scale_from": ("rate_error", ANGLE), "window": ("edge_jitter", EDGES[0])}
     return tuple(
@@ -411,51 +447,3 @@ def at_station(procedure: Procedure, station: Station) -> Procedure:
         station_origin=station.origin,
         assumptions=(*left, *station.assumptions),
     )
-
-
-# What a station says besides its figures, and what an unset word means.
-WORDS: dict[str, tuple[Any, str]] = {
-    "scale_from": (
-        Literal[ANGLE, RATE],
-        "what scale factors of gyros are taken from; unset: angle, of whole turns",
-    ),
-    "window": (
-        Literal[EDGES],
-        "where windows of turns are cut: index of the table, rest, time; unset: index",
-    ),
-}
-
-
-def _mapping(
-    title: str,
-    owner: str,
-    tree: dict[str, Any],
-    words: Mapping[str, tuple[Any, str]] | None = None,
-) -> Any:  # noqa: ANN401
-    """Return the type of one level of the mapping."""
-    fields = dict(words or {})
-    for key, branch in tree.items():
-        if isinstance(branch, dict):
-            level = _mapping(f"{title} {key}", owner, branch)
-            # 'temperature: 20 degC' is that of the use, as in a requirement.
-            if MISSION in branch and branch[MISSION].name in LINES:
-                level = Annotated[level, or_part(key=MISSION)]
-            fields[key] = level, ""
-            continue
-        source: Source = branch
-        own = Age if source.name == AGE else value_type(source, owner)
-        fields[key] = own, source.model
-        if source.time:
-            fields[source.time] = Time, f"of {key}"
-        if source.points:
-            fields[source.points] = (
-                Annotated[
-                    tuple[Time, ...],
-                    Field(min_length=1, max_length=MOST_POINTS),
-                    AfterValidator(_check_rising),
-                ],
-                f"of {key}: {POINTS}",
-            )
-    kinds = {key: kind for key, (kind, _) in fields.items()}
-    meanings = {key: meaning for key, (_, meaning) in fields.items() if meaning}
-    return mapping_of(title, kinds, meanings, Timed)

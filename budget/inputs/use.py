@@ -10,21 +10,24 @@ that what is 0 and what nobody has stated are told apart.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BeforeValidator, Field
 
 from budget.errors import CallError, UnitError
-from budget.inputs.course import (
-    KnownCourse,
-    SizeOrCourse,
-    TemperaturePart,
-    VibrationPart,
+from budget.inputs.course import KnownCourse, TemperaturePart, VibrationPart, or_size
+from budget.inputs.fields import (
+    Kind,
+    Row,
+    fault,
+    items,
+    node_of,
+    or_else,
+    rows_of,
+    table,
 )
-from budget.inputs.fields import Or, either, fault, mapping_of
-from budget.inputs.specification import read_value, value_type
-from budget.inputs.tree import describe
+from budget.inputs.specification import read_value, value_of
+from budget.inputs.tree import Node, describe
 from budget.language import term
 from budget.model.sources import ENVIRONMENT, source_of
 from budget.model.sources.later import AGE, MISSION_TEMPERATURE, MISSION_VIBRATION
@@ -33,7 +36,7 @@ from budget.sentences import sentence
 from budget.units import Quantity, parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+    from collections.abc import Iterable, Mapping
 
     from budget.inputs.records import ErrorLine, Mission, Procedure, Requirement
 
@@ -49,11 +52,15 @@ COURSE = term("known at every time")  # meaning of a course
 OPTION = {"environment": "--environment", "age": "--age"}  # how a call states it
 
 
-def or_part(key: str = "", words: Mapping[str, Mapping[str, str]] | None = None) -> Or:
+def or_part(
+    kind: Kind, key: str = "", words: Mapping[str, Mapping[str, str]] | None = None
+) -> Kind:
     """Allow, beside a mapping, a value alone that is of one key in it.
 
     Parameters
     ----------
+    kind : Kind
+        Of the mapping.
     key : str
         Of a text in the place of the mapping.
     words : mapping of str to mapping
@@ -61,74 +68,76 @@ def or_part(key: str = "", words: Mapping[str, Mapping[str, str]] | None = None)
     """
     whole = words or {}
 
-    def read(value: Any, mapping: Callable[[object], object], _: object) -> object:  # noqa: ANN401
+    def read(node: Node, gravity: float, mapping: Any) -> object:  # noqa: ANN401
+        value = node.value
         if isinstance(value, str) and (word := value.strip().casefold()) in whole:
-            return mapping({**whole[word]})
+            return mapping(node_of(whole[word]), gravity)
         if key and isinstance(value, str | int | float):
-            return mapping({key: value})
+            return mapping(replace(node, value={key: node}), gravity)
         if whole and not isinstance(value, dict):
             raise fault(
                 f"found {describe(value)}, expected {' or '.join(whole)}, or a mapping "
                 "such as {temperature: 20 degC, vibration: 1 g}"
             )
-        return mapping(value)
+        return mapping(node, gravity)
 
     alone = {"enum": [*whole]} if whole else {"type": "string"}
-    return Or(read, lambda schema: either(alone, schema))
+    return or_else(kind, read, alone)
 
 
 IN_TEST = {key: zero for key, (_, zero) in STATED.items()}
 _NONE = {key: zero for key, zero in IN_TEST.items() if key != AGE}
 _VALUES = {
-    key: value_type(source_of(ENVIRONMENT, line), ENVIRONMENT)
+    key: value_of(source_of(ENVIRONMENT, line), ENVIRONMENT)
     for key, (line, _) in STATED.items()
 }
-# As a requirement or a mission states them.
-Environment: Any = Annotated[
-    mapping_of("use", {key: _VALUES[key] for key in _NONE}),
-    or_part(words={NONE: _NONE}),
-]
-# As a mission does, whose temperature and vibration may be known on the way.
-OnTheWay: Any = Annotated[
-    mapping_of(
-        "use on the way",
-        {
-            "temperature": Annotated[
-                Any,
-                SizeOrCourse(
-                    _VALUES["temperature"],
-                    TemperaturePart,
-                    tuple(TemperaturePart.model_fields),
-                ),
-            ],
-            "vibration": Annotated[
-                Any, SizeOrCourse(_VALUES["vibration"], tuple[VibrationPart, ...])
-            ],
-        },
-    ),
-    or_part(words={NONE: _NONE}),
-]
 _SAYS = (
     "that it is used in: temperature, difference from that of the "
     "calibration, 1 sigma{known}; vibration, rms; or none, as in the calibration and "
     "right after it. Unset: not stated, and nothing meets without a condition"
 )
-ENVIRONMENT_FIELD: Any = Field(default=None, description=_SAYS.format(known=""))
-ON_THE_WAY_FIELD: Any = Field(
-    default=None,
-    description=_SAYS.format(known=", or its profile or warm_up where it is known"),
+# As a requirement states them.
+ENVIRONMENT_ROW = Row(
+    or_part(
+        table(rows=rows_of({key: _VALUES[key] for key in _NONE}), title="use"),
+        words={NONE: _NONE},
+    ),
+    _SAYS.format(known=""),
 )
-AGE_FIELD: Any = Field(
-    default=None, description="time from the calibration to the use; unset: not stated"
+# As a mission does, whose temperature and vibration may be known on the way.
+ON_THE_WAY_ROW = Row(
+    or_part(
+        table(
+            rows=rows_of(
+                {
+                    "temperature": or_size(
+                        table(TemperaturePart),
+                        _VALUES["temperature"],
+                        TemperaturePart.rows,
+                    ),
+                    "vibration": or_size(
+                        items(table(VibrationPart)), _VALUES["vibration"]
+                    ),
+                }
+            ),
+            title="use on the way",
+        ),
+        words={NONE: _NONE},
+    ),
+    _SAYS.format(known=", or its profile or warm_up where it is known"),
 )
 
 
-def _zero(value: object) -> object:
+def _zero(value: Any) -> Any:  # noqa: ANN401 - of a file
     """Return 0 s for a 0 without a unit: of a time it is clear."""
     return STATED[AGE][1] if str(value).strip() == "0" else value
 
 
-Age: Any = Annotated[_VALUES[AGE], BeforeValidator(_zero)]
+AGE_KIND = or_else(
+    _VALUES[AGE],
+    lambda node, gravity, read: read(replace(node, value=_zero(node.value)), gravity),
+)
+AGE_ROW = Row(AGE_KIND, "time from the calibration to the use; unset: not stated")
 
 
 def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:

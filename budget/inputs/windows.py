@@ -9,24 +9,29 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import product
 from math import degrees, isclose, pi, remainder
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
-
-from pydantic import Field
+from typing import TYPE_CHECKING, ClassVar
 
 from budget.inputs.fields import (
-    Angle,
+    ANGLE,
+    SPAN,
+    TIME,
+    TRUTH,
     FieldGroup,
-    Measured,
+    Keyed,
+    Row,
+    Rows,
     Rule,
-    Ruled,
+    Rules,
     Sign,
-    Span,
-    Time,
     faults,
+    items,
+    measured,
+    number,
+    one_of,
+    table,
 )
 from budget.model.windows import FLIPS, INNER, MIDDLE, OUTER, Setting, Window
 from budget.names import AXES
-from budget.units import Quantity  # noqa: TC001 - pydantic reads the annotations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -37,47 +42,35 @@ ANGLES = ("outer", "middle", "inner")
 FACES = ("z up", "z down", "x up", "x down", "y up", "y down")
 _ROUNDING = 1e-9  # of a time, relative
 
-FaceWord: Any = Literal[(*FACES, "all")]
-Count = Annotated[int, Field(ge=1, le=MOST_WINDOWS)]
 
-
-class WindowLine(Ruled):
+class WindowLine(Keyed):
     """A dwell or a turn, at a face held up or down or at angles of the table."""
 
-    face: FaceWord | None = Field(
-        default=None, description="which body axis is vertical; all: each in turn"
-    )
-    azimuth: Angle | None = Field(
-        default=None, description="of the outer axis, beside a face; unset: 0 deg"
-    )
-    azimuths: tuple[Angle, ...] | None = Field(
-        default=None, description="one after the other, beside a face"
-    )
-    outer: Angle | None = Field(default=None, description="table angle, about up")
-    middle: Angle | None = Field(default=None, description="table angle, about y")
-    inner: Angle | None = Field(default=None, description="table angle, about x")
-    dwell: Span | None = Field(default=None, description="how long it stands")
-    turn: Literal["vertical", "outer", "middle", "inner"] | None = Field(
-        default=None, description="axis that turns; vertical is the outer one"
-    )
-    turns: Annotated[int, Field(ge=-1_000_000, le=1_000_000)] | None = Field(
-        default=None, description="whole turns; the sign is the sense"
-    )
-    rate: Annotated[Quantity, Measured("deg/s", Sign.POSITIVE)] | None = Field(
-        default=None, description="of the turn"
-    )
-    back: bool = Field(
-        default=False, description="followed by the same turn in the other sense"
-    )
-    repeat: Count = Field(default=1, description="times one after the other")
-    start: Time | None = Field(
-        default=None, description="on the clock of the file; unset: after the last"
-    )
-    use: Literal["gyro", "accelerometer", "both"] = Field(
-        default="both", description="whose readings are averaged"
-    )
-
-    rules: ClassVar[tuple[Rule, ...]] = (
+    rows: ClassVar[Rows] = {
+        "face": Row(
+            one_of(*FACES, "all"), "which body axis is vertical; all: each in turn"
+        ),
+        "azimuth": Row(ANGLE, "of the outer axis, beside a face; unset: 0 deg"),
+        "azimuths": Row(items(ANGLE), "one after the other, beside a face"),
+        "outer": Row(ANGLE, "table angle, about up"),
+        "middle": Row(ANGLE, "table angle, about y"),
+        "inner": Row(ANGLE, "table angle, about x"),
+        "dwell": Row(SPAN, "how long it stands"),
+        "turn": Row(one_of(*TABLE_AXES), "axis that turns; vertical is the outer one"),
+        "turns": Row(
+            number(-1_000_000, 1_000_000), "whole turns; the sign is the sense"
+        ),
+        "rate": Row(measured("deg/s", Sign.POSITIVE), "of the turn"),
+        "back": Row(TRUTH, "followed by the same turn in the other sense", usual=False),
+        "repeat": Row(number(1, MOST_WINDOWS), "times one after the other", usual=1),
+        "start": Row(TIME, "on the clock of the file; unset: after the last"),
+        "use": Row(
+            one_of("gyro", "accelerometer", "both"),
+            "whose readings are averaged",
+            usual="both",
+        ),
+    }
+    rules: ClassVar[Rules] = (
         Rule(
             "face",
             lambda it: not it.face and not it.angles,
@@ -158,17 +151,18 @@ class WindowLine(Ruled):
     def number(self) -> int:
         """How many windows it stands for."""
         faces = len(FACES) if self.face == "all" else 1
-        return self.repeat * faces * len(self.azimuths or " ") * (1 + self.back)
+        azimuths = len(self.azimuths or " ")
+        return int(self.repeat * faces * azimuths * (1 + self.back))
 
     def each(self) -> list[WindowLine]:
         """Return a line for each window: face by face, azimuth by azimuth, and back."""
         faces = FACES if self.face == "all" else (self.face,)
         azimuths = self.azimuths or (self.azimuth,)
         turns = (self.turns, -(self.turns or 0)) if self.back else (self.turns,)
-        return self.repeat * [
-            self.model_copy(update={"face": face, "azimuth": azimuth, "turns": turn})
+        return [
+            self.but(face=face, azimuth=azimuth, turns=turn)
             for face, azimuth, turn in product(faces, azimuths, turns)
-        ]
+        ] * int(self.repeat)
 
     def setting(self, flip_axis: str) -> Setting:
         """Return how the table stands, and turns [rad]; z comes down by that axis."""
@@ -196,9 +190,9 @@ class WindowLine(Ruled):
     def length(self) -> float:
         """How long one of it takes [s]."""
         if self.dwell is not None:
-            return self.dwell.value
+            return float(self.dwell.value)
         rate = 1.0 if self.rate is None else self.rate.value
-        return abs(2.0 * pi * (self.turns or 0)) / rate
+        return float(abs(2.0 * pi * (self.turns or 0)) / rate)
 
     @property
     def title(self) -> str:
@@ -219,16 +213,16 @@ class WindowLine(Ruled):
 class WindowItem(FieldGroup, WindowLine):
     """A line, or a group of lines that is repeated as a whole."""
 
-    key: ClassVar = "windows"
-    windows: tuple[WindowLine, ...] | None = Field(
-        default=None, description="a group; repeat beside it is of the whole"
-    )
+    key = "windows"
+    rows: ClassVar[Rows] = {
+        key: Row(items(table(WindowLine)), "a group; repeat beside it is of the whole")
+    }
 
     def each(self) -> list[WindowLine]:
         """Return a line for each window, those of a repetition again."""
         if self.windows is None:
             return super().each()
-        return self.repeat * [one for line in self.windows for one in line.each()]
+        return [one for line in self.windows for one in line.each()] * int(self.repeat)
 
 
 def lay_out(
@@ -255,7 +249,7 @@ def lay_out(
 
     Raises
     ------
-    pydantic_core.ValidationError
+    Faults
         Windows overlap, hold no sample, or are too many: which, all at once.
     """
     messages: dict[tuple[str | int, ...], str] = {}

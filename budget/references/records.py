@@ -1,26 +1,29 @@
 """Reference budget: inputs, settings, quantity values, words, versions.
 
-The records of what is stored are the format of the file as well: `store` reads a file
-into them, and their constraints are those of its JSON Schema.
+The rows of what a file may hold stand beside the records that it is read into.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - pydantic reads the annotations
-from dataclasses import dataclass, field, make_dataclass
+import re
+from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
-
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    GetPydanticSchema,
-    WithJsonSchema,
-)
-from pydantic_core.core_schema import no_info_after_validator_function
+from math import inf
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
+from budget.inputs.fields import (
+    TRUTH,
+    Kind,
+    Row,
+    by_name,
+    items,
+    number,
+    one_of,
+    or_else,
+    table,
+    text,
+)
 from budget.model.source import OWNERS
 from budget.model.sources import every_source
 from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
@@ -29,14 +32,14 @@ from budget.settings import (
     SAMPLES,
     UNTESTED,
     Asked,
-    Row,
     Use,
     every_row,
     rows,
 )
+from budget.settings import Row as Setting
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 Job = Literal["analyze", "mission", "compare", "allocate"]
 Role = Literal["device", "procedure", "station", "mission", "requirement", "costs"]
@@ -69,41 +72,52 @@ JOBS = tuple(FILES)
 LARGEST = 1e100
 
 
-def _joined(lines: Any) -> str:  # noqa: ANN401 - not yet checked
-    """Return the text of lines; a file has one in each entry of a list."""
-    if not isinstance(lines, list) or not all(isinstance(one, str) for one in lines):
-        raise ValueError("input should be a list of lines")
-    return "\n".join(lines)
+_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]").search, "has a control character"
+_NO_DIGEST = (
+    lambda value: not re.fullmatch("[0-9a-f]{64}", value),
+    "is no SHA-256, expected 64 digits of 0 to 9 and a to f",
+)
+LINE, WORDS = text(400, _CONTROL), text(4000, _CONTROL)
+SHA256 = text(64, _NO_DIGEST)
+FINITE = number(-LARGEST, LARGEST, is_whole=False)
+NOT_NEGATIVE = number(0.0, LARGEST, is_whole=False)
+OPTIONAL = Row(LINE, usual="")
 
 
-PLAIN = r"^[^\x00-\x1f\x7f-\x9f]*$"  # no control characters
-Line = Annotated[str, Field(max_length=400, pattern=PLAIN)]
-Words = Annotated[str, Field(max_length=4000, pattern=PLAIN)]
-Lines = Annotated[
-    str,
-    BeforeValidator(_joined),
-    WithJsonSchema({"type": "array", "items": {"type": "string"}}),
-]
-Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
-Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
-NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0.0, le=LARGEST)]
-Positive = Annotated[float, Field(allow_inf_nan=False, gt=0.0)]
-STRICT = ConfigDict(extra="forbid", strict=True)
+def needed(kind: Kind) -> Row:
+    """Return the row of a key that must be there."""
+    return Row(kind, is_needed=True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class StoredInput:
     """One input file as it was."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
     role: Role
     # Path from the folder of the reference, with '/'; or the name of a shipped file.
-    file: Annotated[Line, Field(min_length=1)]
-    variant: Line = ""  # '' for the base; of a comparison the base and every variant
-    changes: tuple[Line, ...] = ()  # laid over a device, each SENSOR.LINE=VALUE
-    sha256: Sha256  # of the file's bytes
-    text: Lines
+    file: str
+    variant: str = ""  # '' for the base; of a comparison the base and every variant
+    changes: tuple[str, ...] = ()  # laid over a device, each SENSOR.LINE=VALUE
+    sha256: str  # of the file's bytes
+    text: str
+
+
+INPUT = table(
+    StoredInput,
+    {
+        "role": needed(one_of(*FILES["analyze"])),
+        "file": needed(text(400, _CONTROL, (lambda value: not value, "is empty"))),
+        "variant": OPTIONAL,
+        "changes": Row(items(LINE), usual=()),
+        "sha256": needed(SHA256),
+        "text": needed(  # a file has one line of it in each entry of a list
+            or_else(
+                items(text(10**7)),
+                lambda node, gravity, read: "\n".join(read(node, gravity)),
+            )
+        ),
+    },
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,43 +143,23 @@ class Stored(Asked, Use):
 STORED = {name: row for name, row in rows(Stored, "check").items() if name != "sobol"}
 
 
-def _stored_type(row: Row) -> Any:  # noqa: ANN401 - a type
-    """Return what a file may have for a setting."""
+def _stored_kind(row: Setting) -> Kind:
+    """Return the kind of what a file may have for a setting."""
     choices = UNTESTED if row.words else row.choices
-    kind: Any = Literal[choices] if choices else Line
+    kind = one_of(*choices) if choices else LINE
     if row.several:
-        kind = tuple[kind, ...]
-    elif row.least is not None:
-        kind = Annotated[int, Field(ge=row.least, le=row.most)]
-    elif row.fault is not None:
-        kind = Annotated[float, Field(ge=LEAST_COVERAGE, le=MOST_COVERAGE)]
-    return kind | None if row.default is None else kind
+        return items(kind)
+    if row.least is not None:
+        return number(row.least, inf if row.most is None else row.most)
+    if row.fault is not None:
+        return number(LEAST_COVERAGE, MOST_COVERAGE, is_whole=False)
+    return kind
 
 
-# As a file has them.
-Settings = Annotated[
+SETTINGS = table(
     Stored,
-    GetPydanticSchema(
-        lambda _, schema: no_info_after_validator_function(
-            lambda one: Stored(**vars(one)),
-            schema(
-                make_dataclass(
-                    "Asked",
-                    [
-                        (name, _stored_type(row), field(default=row.default))
-                        for name, row in STORED.items()
-                    ],
-                    namespace={
-                        "__pydantic_config__": STRICT,
-                        "__doc__": Stored.__doc__,
-                    },
-                    frozen=True,
-                    kw_only=True,
-                )
-            ),
-        )
-    ),
-]
+    {name: Row(_stored_kind(row), usual=row.default) for name, row in STORED.items()},
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -187,18 +181,16 @@ class Item:
 class QuantityValue:
     """Number of a result, in its printed unit, and its tolerance."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    subject: Line  # output, source or sensor
-    quantity: Line
-    partner: Line = ""  # the source or other output beside it
-    unit: Line
-    value: Finite
-    floor: NotNegative = 0.0  # a difference at or below it is rounding [unit]
-    standard_error: NotNegative | None = None  # [unit]; None: no trial touches it
-    degrees_of_freedom: Positive | None = None  # None: so many that they do not count
+    subject: str  # output, source or sensor
+    quantity: str
+    partner: str = ""  # the source or other output beside it
+    unit: str
+    value: float
+    floor: float = 0.0  # a difference at or below it is rounding [unit]
+    standard_error: float | None = None  # [unit]; None: no trial touches it
+    degrees_of_freedom: float | None = None  # None: so many that they do not count
     # Of a proportion: the value times this is a count.
-    trials: Annotated[int, Field(ge=1, le=MOST_TRIALS)] | None = None
+    trials: int | None = None
     lower_bound: bool = False  # this or worse: a line not given would add to it
 
     @cached_property
@@ -216,14 +208,12 @@ class QuantityValue:
 class NominalProperty:
     """Property without magnitude (JCGM 200:2012, 1.30): verdict, status, lines."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    subject: Line  # sensor or source
-    quantity: Line
-    text: Words
+    subject: str  # sensor or source
+    quantity: str
+    text: str
     # Quantity of the same subject that decides it. Where that number is no surer than
     # its trials, the word is not either: it has moved only if the number has.
-    rests_on: Line = ""
+    rests_on: str = ""
     unit: ClassVar[str] = ""
     is_sampled: ClassVar[bool] = False
     lower_bound: ClassVar[bool] = False
@@ -237,6 +227,29 @@ class NominalProperty:
     def value(self) -> str:
         """The text."""
         return self.text
+
+
+QUANTITY_VALUE = table(
+    QuantityValue,
+    {
+        **dict.fromkeys(("subject", "quantity", "unit"), needed(LINE)),
+        "partner": OPTIONAL,
+        "value": needed(FINITE),
+        "floor": Row(NOT_NEGATIVE, usual=0.0),
+        "standard_error": Row(NOT_NEGATIVE),
+        "degrees_of_freedom": Row(number(1e-300, is_whole=False)),
+        "trials": Row(number(1, MOST_TRIALS)),
+        "lower_bound": Row(TRUTH, usual=False),
+    },
+)
+NOMINAL_PROPERTY = table(
+    NominalProperty,
+    {
+        **dict.fromkeys(("subject", "quantity"), needed(LINE)),
+        "text": needed(WORDS),
+        "rests_on": OPTIONAL,
+    },
+)
 
 
 # Owners of what a mission asks for and adds: every tool that takes one knows these.
@@ -274,13 +287,11 @@ KNOWN_FIRST = frozenset(
 class Snapshot:
     """All that a result says, as a flat list."""
 
-    numbers: Annotated[tuple[QuantityValue, ...], Field(min_length=1)]
+    numbers: tuple[QuantityValue, ...]
     words: tuple[NominalProperty, ...] = ()
     # Error sources and parameters that the tool had when it was made, of a file those
     # of the first version: what a later one has learnt is no change of what is stored.
-    known: Annotated[frozenset[Line], Field(max_length=1000)] = field(
-        default_factory=known_now
-    )
+    known: frozenset[str] = field(default_factory=known_now)
 
     def knows(self, item: Item) -> bool:
         """Whether the tool that made it had the quantities that an item is of."""
@@ -319,12 +330,27 @@ class Snapshot:
 class ReferenceBudget(Snapshot):
     """A stored budget: all that a result said, and what it was made of."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
     job: Job
-    inputs: Annotated[tuple[StoredInput, ...], Field(min_length=1, max_length=MANY)]
-    settings: Settings
-    versions: Mapping[Line, Line]  # of the tool and what it stands on
+    inputs: tuple[StoredInput, ...]
+    settings: Stored
+    versions: Mapping[str, str]  # of the tool and what it stands on
+
+
+REFERENCE = {  # the rows of a file, but for its format and its checksum
+    "job": needed(one_of(*JOBS)),
+    "inputs": needed(items(INPUT, least=1, most=MANY)),
+    "settings": needed(SETTINGS),
+    "numbers": needed(items(QUANTITY_VALUE, least=1)),
+    "words": Row(items(NOMINAL_PROPERTY), usual=()),
+    "known": Row(
+        or_else(
+            items(LINE, most=MANY),
+            lambda node, gravity, read: frozenset(read(node, gravity)),
+        ),
+        usual=tuple(sorted(KNOWN_FIRST)),
+    ),
+    "versions": needed(by_name(LINE, LINE)),
+}
 
 
 def files_fault(job: str, roles: Sequence[str]) -> str:

@@ -11,28 +11,26 @@ import json
 import platform
 import re
 from collections import Counter
-from dataclasses import dataclass, fields
-from functools import cache
+from dataclasses import fields
 from pathlib import PurePosixPath, PureWindowsPath
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
-
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from typing import TYPE_CHECKING, Any
 
 from budget.errors import ReferenceFileError
-from budget.inputs.checking import in_our_words
+from budget.inputs.fields import KEY, Faults, node_of, one_of, table
 from budget.inputs.reader import MOST_BYTES as LONGEST_INPUT
 from budget.inputs.schema import schema_of
 from budget.journal import note_read
 from budget.references.files import digest
 from budget.references.records import (
-    KNOWN_FIRST,
+    REFERENCE,
+    SHA256,
     STORED,
-    STRICT,
     ReferenceBudget,
-    Sha256,
     files_fault,
+    needed,
 )
 from budget.settings import fills
+from budget.units import STANDARD_GRAVITY
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -46,23 +44,14 @@ MOST_BYTES = 8 * 1024 * 1024  # forty times the largest that ships
 WRITER = "`budget check --save`"
 RESTORE = "restore it from version control, or save it again"
 SHOWN = 3  # faults that one message says
-WORDED = {"unexpected_keyword_argument": "extra inputs are not permitted"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class _ReferenceFile(ReferenceBudget):
-    """A reference budget: what was computed, of what, with what."""
-
-    __pydantic_config__: ClassVar[ConfigDict] = STRICT
-
-    format: Literal["budget-reference/1"]
-    # SHA-256 of all the rest, as JSON with sorted keys and no spaces.
-    checksum: Sha256
 
 
 def reference_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a reference budget."""
-    return schema_of(_ReferenceFile, "budget reference file")
+    # The checksum: SHA-256 of all the rest, as JSON with sorted keys and no spaces.
+    own = {"format": needed(one_of(FORMAT)), "checksum": needed(SHA256)}
+    every = table(ReferenceBudget, REFERENCE | own)
+    return schema_of(every, "budget reference file")
 
 
 def present_versions() -> dict[str, str]:
@@ -150,21 +139,14 @@ def parse_reference(data: bytes, shown: str) -> ReferenceBudget:
             f"reference is written by {WRITER}, not by hand: {RESTORE}"
         )
     del content["format"], content["checksum"]
-    if content.get("known") is None:
-        content["known"] = sorted(KNOWN_FIRST)
     try:
-        found = _checker().validate_json(json.dumps(content))
-    except ValidationError as error:
-        raise ReferenceFileError(_faults(error, shown)) from None
+        own = table(ReferenceBudget, REFERENCE)
+        found: ReferenceBudget = own.read(node_of(content), STANDARD_GRAVITY)
+    except Faults as error:
+        raise ReferenceFileError(_said(error, shown)) from None
     if fault := _content_fault(found):
         raise ReferenceFileError(f"{shown}: {fault}; save the reference again")
     return found
-
-
-@cache
-def _checker() -> TypeAdapter[ReferenceBudget]:
-    """Return what checks a reference, made once: that takes longer than to check."""
-    return TypeAdapter(ReferenceBudget)
 
 
 def _content_fault(reference: ReferenceBudget) -> str:
@@ -248,16 +230,15 @@ def _checksum(content: dict[str, Any]) -> str:
     return digest(json.dumps(rest, sort_keys=True, separators=(",", ":")))
 
 
-def _faults(error: ValidationError, shown: str) -> str:
+def _said(error: Faults, shown: str) -> str:
     """Say what is wrong with the first values, and what to do."""
-    found = error.errors(include_url=False)
     lines = [
-        f"{shown}: {'.'.join(str(step)[:40] for step in one['loc'])}: "
-        f"{WORDED.get(one['type']) or in_our_words(one)}"
-        for one in found[:SHOWN]
+        f"{shown}: {'.'.join(str(step)[:40] for step in one.way if step != KEY)}: "
+        f"{one.says}"
+        for one in error.found[:SHOWN]
     ]
-    if len(found) > SHOWN:
-        lines.append(f"{shown}: and {len(found) - SHOWN} more")
+    if len(error.found) > SHOWN:
+        lines.append(f"{shown}: and {len(error.found) - SHOWN} more")
     lines[-1] += "; save the reference again"
     return "\n".join(lines)
 

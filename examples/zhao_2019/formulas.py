@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from budget.arrays import Array
+    from budget.inputs.fields import Keyed
     from zhao_2019.conditions import Conditions
-    from zhao_2019.printed import PrintedFormula
 
 # All different, so that no misprint can hide behind equal values.
 ANGLE = np.arange(1.0, 7.0) * ARCSEC  # xy xz yx yz zx zy [rad]
@@ -72,7 +72,7 @@ class Formula:
     """One formula for one parameter."""
 
     name: str  # 'd_yx'
-    given: PrintedFormula  # the formula in words of the paper, and ours
+    given: Keyed  # the formula in words of the paper, and ours
     # In the unit of the formula.
     returns_printed: float
     returns_ours: float

@@ -48,7 +48,7 @@ from zhao_2019.readings import (
 if TYPE_CHECKING:
     from budget.arrays import Array
     from zhao_2019.conditions import Conditions
-    from zhao_2019.printed import Parameter, PrintedFigure, PrintedOrders
+    from zhao_2019.printed import PrintedFigure, PrintedOrders
     from zhao_2019.readings import Reading
 
 NOISE = Name("sample_noise", owner=ACCELEROMETER)
@@ -139,7 +139,7 @@ def noise_readings(printed: PrintedOrders, conditions: Conditions) -> list[Findi
 def _judge(
     conditions: Conditions,
     printed: PrintedOrders,
-    parameter: Parameter,
+    parameter: str,
     found: Expectation,
     *,
     cause: str,
@@ -200,7 +200,7 @@ def _bound(conditions: Conditions) -> Finding:
 
 
 def _probabilities(
-    printed: PrintedOrders, parameter: Parameter, found: Expectation
+    printed: PrintedOrders, parameter: str, found: Expectation
 ) -> tuple[float, float]:
     """Return the probability of the order in a single run and in a mean over 25."""
     single, mean = (

@@ -10,17 +10,29 @@ import re
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal, Self
-
-from pydantic import AfterValidator, Field, model_validator
+from typing import Any, ClassVar
 
 from budget.documents import written
-from budget.inputs.checking import check
-from budget.inputs.fields import Strict, fault, faults
+from budget.inputs.fields import (
+    TRUTH,
+    Keyed,
+    Kind,
+    Row,
+    Rows,
+    by_name,
+    check,
+    fault,
+    items,
+    number,
+    one_of,
+    or_else,
+    table,
+    text,
+)
 from budget.inputs.reader import read
-from budget.inputs.tree import describe
+from budget.inputs.tree import Node, describe
 from budget.language import note, say, term
-from budget.model.sources import lines_of
+from budget.model.sources import SENSORS, lines_of
 from budget.names import ANGLES, Name
 from budget.units import NUMBER, PPM
 
@@ -105,72 +117,95 @@ class Finding:
         return self.place[0]
 
 
-def _check_digits(text: str) -> str:
-    """Refuse a text that is no number."""
+def _check_digits(node: Node, gravity: float, own: Any) -> str:  # noqa: ANN401
+    """Read a number in quotes; refuse a text that is none."""
+    text: str = own(node, gravity)
     if not re.fullmatch(NUMBER, text):
         raise fault(f"found {text!r}, expected a number as printed, such as '1e-14'")
     return text
 
 
-Digits = Annotated[str, AfterValidator(_check_digits)]
-Sensor = Literal["gyro", "accelerometer"]
-Parameter = Literal["scale_factor", "mounting_angle", "bias"]
-Angle = Literal["xy", "xz", "yx", "yz", "zx", "zy"]
-Claim = Literal["affects", "no effect"]
+SAID = text(10_000)
+DIGITS = or_else(SAID, _check_digits)
+NUMBER_OF_ANY_SIZE = number(-1e300, 1e300, is_whole=False)
+PARAMETER = one_of("scale_factor", "mounting_angle", "bias")
+NEEDED = Row(SAID, is_needed=True)
+MAYBE = Row(SAID, usual="")
 
 
-class PrintedRow(Strict):
-    """One row of Table 1: relative errors [1], angles in the order of the table."""
-
-    scale_factor: Annotated[tuple[Digits, ...], Field(min_length=3, max_length=3)]
-    mounting_angle: Annotated[tuple[Digits, ...], Field(min_length=6, max_length=6)]
-    bias: Annotated[tuple[Digits, ...], Field(min_length=3, max_length=3)]
+def _needed(kind: Kind) -> Row:
+    """Return the row of a key that must be there."""
+    return Row(kind, is_needed=True)
 
 
-class OfSource(Strict):
+def _some(kind: Kind, number: int) -> Row:
+    """Return the row of a key with so many values."""
+    return _needed(items(kind, least=number, most=number))
+
+
+# One row of Table 1: relative errors [1], angles in the order of the table.
+PRINTED_ROW = table(
+    rows={
+        "scale_factor": _some(DIGITS, 3),
+        "mounting_angle": _some(DIGITS, 6),
+        "bias": _some(DIGITS, 3),
+    }
+)
+
+
+class OfSource(Keyed):
     """Something said of one error source of one sensor; '' is none at all."""
 
-    section: str
-    sensor: Sensor
-    source: str = ""
+    rows: ClassVar[Rows] = {
+        "section": NEEDED,
+        "sensor": _needed(one_of(*SENSORS)),
+        "source": MAYBE,
+    }
 
     @property
     def name(self) -> Name:
         """The full name of the source."""
         return Name(self.source, owner=self.sensor) if self.source else Name("")
 
-    @model_validator(mode="after")
-    def _check_source(self) -> Self:
+    def _faults(self) -> dict[tuple[str, ...], str]:
         """Refuse a source that the sensor has not."""
         known = [line.name for line in lines_of(self.sensor)]
-        if self.source and self.source not in known:
-            message = f"a {self.sensor} has no source {self.source!r}, allowed: "
-            raise faults({("source",): message + ", ".join(known)})
-        return self
+        if not self.source or self.source in known:
+            return {}
+        message = f"a {self.sensor} has no source {self.source!r}, allowed: "
+        return {("source",): message + ", ".join(known)}
 
 
 class PrintedOrders(OfSource):
     """Orders of magnitude that the text gives under one condition."""
 
-    condition: str
-    unit: Literal["1", "arcsec", "deg/h"] = "1"
-    note: str = ""  # where the text gives it in another way
-    errors: dict[Parameter, Digits]  # '0' for none [unit]
+    rows: ClassVar[Rows] = {
+        "condition": NEEDED,
+        "unit": Row(one_of("1", "arcsec", "deg/h"), usual="1"),
+        "note": MAYBE,  # where the text gives it in another way
+        "errors": _needed(by_name(DIGITS, PARAMETER)),  # '0' for none [unit]
+    }
 
 
 class Conclusion(OfSource):
     """What the paper says of one source and some parameters."""
 
-    claims: dict[Parameter, Claim]
+    rows: ClassVar[Rows] = {
+        "claims": _needed(by_name(one_of("affects", "no effect"), PARAMETER))
+    }
 
 
-class PrintedFigure(Strict):
+class PrintedFigure(Keyed):
     """Figure 1, 2, 3 or 4: what is stepped, and the order that the text reads off."""
 
-    source: Literal["scale_factor_nonlinearity", "scale_factor_asymmetry"]
-    parameter: Parameter
-    step: float  # [1]
-    order: Digits
+    rows: ClassVar[Rows] = {
+        "source": _needed(
+            one_of("scale_factor_nonlinearity", "scale_factor_asymmetry")
+        ),
+        "parameter": _needed(PARAMETER),
+        "step": _needed(NUMBER_OF_ANY_SIZE),  # [1]
+        "order": _needed(DIGITS),
+    }
 
     @property
     def stepped(self) -> str:
@@ -178,48 +213,58 @@ class PrintedFigure(Strict):
         return f"{self.step / PPM:g} ppm x i"
 
 
-class PrintedFormula(Strict):
-    """One formula for one parameter, or alike for several."""
-
-    equation: str
-    names: tuple[str, ...]
-    unit: str
-    printed: str
-    ours: str = ""  # where it differs
-    is_slip: bool = True  # of the press, where it differs; otherwise an approximation
-    note: str = ""
-
-
-class GivenReading(Strict):
-    """A reading of the inputs of one row: what varies, and what is changed."""
-
-    row: str
-    name: str
-    sources: tuple[str, ...]
-    pause: float | None = None  # between windows [s]
-    sample_noise: float | None = None  # in each sample [deg/h]
-    divisor: float = 1.0  # of the angle random walk [1]
-    once_a_window: bool = False  # noise added to the sum of a window
-    about_zero: bool = False  # angles drawn about 0, errors counted from nominal
-
-
-class NoiseReading(Strict):
-    """A reading of the accelerometer noise."""
-
-    name: str
-    in_si: bool = False  # m/s^2 in place of g
-    once_a_window: bool = False
-
-
-class GivenFinding(Strict):
-    """How a kind of finding is told; what stands in braces is filled in."""
-
-    section: str
-    where: str
-    place: Annotated[tuple[str, ...], Field(min_length=2, max_length=3)]
-    printed: str = ""  # where that is no single number
-    why: str | dict[str, str]  # by what is the case
-    is_summary: bool = True
+# One formula for one parameter, or alike for several.
+PRINTED_FORMULA = table(
+    rows={
+        "equation": NEEDED,
+        "names": _needed(items(SAID)),
+        "unit": NEEDED,
+        "printed": NEEDED,
+        "ours": MAYBE,  # where it differs
+        "is_slip": Row(TRUTH, usual=True),  # of the press; else an approximation
+        "note": MAYBE,
+    }
+)
+# A reading of the inputs of one row: what varies, and what is changed.
+GIVEN_READING = table(
+    rows={
+        "row": NEEDED,
+        "name": NEEDED,
+        "sources": _needed(items(SAID)),
+        "pause": Row(NUMBER_OF_ANY_SIZE),  # between windows [s]
+        "sample_noise": Row(NUMBER_OF_ANY_SIZE),  # in each sample [deg/h]
+        "divisor": Row(NUMBER_OF_ANY_SIZE, usual=1.0),  # of the angle random walk [1]
+        "once_a_window": Row(TRUTH, usual=False),  # noise added to a window's sum
+        # Angles drawn about 0, errors counted from nominal.
+        "about_zero": Row(TRUTH, usual=False),
+    }
+)
+# A reading of the accelerometer noise.
+NOISE_READING = table(
+    rows={
+        "name": NEEDED,
+        "in_si": Row(TRUTH, usual=False),  # m/s^2 in place of g
+        "once_a_window": Row(TRUTH, usual=False),
+    }
+)
+# How a kind of finding is told; what stands in braces is filled in.
+GIVEN_FINDING = table(
+    rows={
+        "section": NEEDED,
+        "where": NEEDED,
+        "place": _needed(items(SAID, least=2, most=3)),
+        "printed": MAYBE,  # where that is no single number
+        "why": _needed(  # by what is the case
+            or_else(
+                by_name(SAID),
+                lambda node, gravity, read: (
+                    node.value if isinstance(node.value, str) else read(node, gravity)
+                ),
+            )
+        ),
+        "is_summary": Row(TRUTH, usual=True),
+    }
+)
 
 
 class _Part:
@@ -252,47 +297,48 @@ class _Part:
         return format(value, spec)
 
 
-class Paper(Strict):
+class Paper(Keyed):
     """Everything that is printed, the readings, and the words of the study."""
 
-    title: str
-    reference: str
-    sections: dict[str, str]
-    verdicts: dict[str, str]  # what each means
-    cards: dict[str, tuple[str, ...]]  # verdicts that are counted together
-    assumptions: tuple[str, ...]
-    notes: dict[str, str]
-    angle_order: Annotated[tuple[Angle, ...], Field(min_length=6, max_length=6)]
-    table_1: dict[str, PrintedRow]
-    orders: tuple[PrintedOrders, ...]
-    bound: Digits
-    figures: dict[str, PrintedFigure]
-    figure_3: dict[str, str]
-    readings: tuple[GivenReading, ...]
-    noise_readings: tuple[NoiseReading, ...]
-    formulas: tuple[PrintedFormula, ...]
-    conclusions: tuple[Conclusion, ...]
-    findings: dict[str, GivenFinding]
+    rows: ClassVar[Rows] = {
+        **dict.fromkeys(("title", "reference"), NEEDED),
+        "sections": _needed(by_name(SAID)),
+        "verdicts": _needed(by_name(SAID)),  # what each means
+        "cards": _needed(by_name(items(SAID))),  # verdicts that are counted together
+        "assumptions": _needed(items(SAID)),
+        "notes": _needed(by_name(SAID)),
+        "angle_order": _some(one_of(*ANGLES), 6),
+        "table_1": _needed(by_name(PRINTED_ROW)),
+        "orders": _needed(items(table(PrintedOrders))),
+        "bound": _needed(DIGITS),
+        "figures": _needed(by_name(table(PrintedFigure))),
+        "figure_3": _needed(by_name(SAID)),
+        "readings": _needed(items(GIVEN_READING)),
+        "noise_readings": _needed(items(NOISE_READING)),
+        "formulas": _needed(items(PRINTED_FORMULA)),
+        "conclusions": _needed(items(table(Conclusion))),
+        "findings": _needed(by_name(GIVEN_FINDING)),
+    }
 
-    @model_validator(mode="after")
-    def _check_words(self) -> Self:
+    def _faults(self) -> dict[tuple[str, ...], str]:
         """Hold meanings, cards and angles to what there is, each once."""
         if sorted(self.angle_order) != sorted(ANGLES):
             angles = ", ".join(self.angle_order)
             message = f"has {angles}, expected every angle once: {', '.join(ANGLES)}"
-            raise faults({("angle_order",): message})
+            return {("angle_order",): message}
         known = [str(verdict) for verdict in Agreement]
         counted = [word for card in self.cards.values() for word in card]
         for key, found in (("verdicts", list(self.verdicts)), ("cards", counted)):
             if sorted(found) != sorted(known):
                 message = f"has {describe(', '.join(found))}, expected each once: "
-                raise faults({(key,): message + ", ".join(known)})
-        for kind, finding in self.findings.items():
-            if finding.section not in self.sections:
-                message = f"{finding.section!r} is no section, expected one of: "
-                message += ", ".join(self.sections)
-                raise faults({("findings", kind, "section"): message})
-        return self
+                return {(key,): message + ", ".join(known)}
+        sections = ", ".join(self.sections)
+        return {
+            ("findings", kind, "section"): f"{finding.section!r} is no section, "
+            f"expected one of: {sections}"
+            for kind, finding in self.findings.items()
+            if finding.section not in self.sections
+        }
 
     @property
     def farthest(self) -> dict[str, float]:
@@ -362,7 +408,8 @@ def load_paper() -> Paper:
     SpecError
         Something is wrong with it, each at its place.
     """
-    return check(read(FILE, FILE.name), Paper)
+    paper: Paper = check(read(FILE, FILE.name), table(Paper))
+    return paper
 
 
 def agrees_if(condition: bool) -> Agreement:  # noqa: FBT001 - the one thing it asks

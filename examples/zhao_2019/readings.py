@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.inputs.fields import Keyed
     from budget.inputs.records import Procedure
     from budget.problem import Problem
     from zhao_2019.conditions import Conditions
-    from zhao_2019.printed import GivenReading
 
 LEVEL = 0.01  # a reading is said to fit from this p on [1]
 SIX_DIGITS = 5e-6  # doubles leave about 1e-6 of eq. (4)'s residual [1]
@@ -225,7 +225,7 @@ def best_reading(all_readings: tuple[Reading, ...], source: Name) -> Reading | N
     return max(fitting, key=lambda reading: reading.fit().p, default=None)
 
 
-def _expect(given: GivenReading, conditions: Conditions) -> Expectation:
+def _expect(given: Keyed, conditions: Conditions) -> Expectation:
     """Expect one run with what a reading changes."""
     gyro, procedure = conditions.gyro, conditions.printed
     if given.pause is not None:

@@ -555,10 +555,10 @@ def test_conclusions_agree_but_for_two(study):
 )
 def test_a_wrong_conclusion_is_not_borne_out(conditions, source, parameter, claim):
     """A claim against law and simulation is unexplained, whatever the paper says."""
-    said = Conclusion(
+    said = Conclusion.of(
         section="4", sensor="gyro", source=source, claims={parameter: claim}
     )
-    paper = conditions.paper.model_copy(update={"conclusions": (said,)})
+    paper = conditions.paper.but(conclusions=(said,))
     (row,) = conclusion_findings(
         compute_couplings(conditions), replace(conditions, paper=paper)
     )

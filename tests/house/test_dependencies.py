@@ -14,8 +14,7 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from packaging.version import Version
-from places import EXAMPLE, ROOT, SHIPPED
-from sources import nodes_of
+from places import EXAMPLE, ROOT, SHIPPED, nodes_of
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 NEEDED = PROJECT["project"]["dependencies"]
@@ -72,9 +71,7 @@ def test_what_is_installed_is_within_the_bounds():
 
 def test_what_is_imported_is_declared():
     """The package imports nothing that only another package happened to bring."""
-    # Its core comes with pydantic, in the one version that it needs.
-    own = {"pydantic-core"}
-    assert imported() - own <= names([*NEEDED, *EXTRAS["dask"], *EXTRAS["xlsx"]])
+    assert imported() <= names([*NEEDED, *EXTRAS["dask"], *EXTRAS["xlsx"]])
 
 
 def test_what_is_declared_is_imported():

@@ -11,9 +11,8 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
-from places import EXAMPLE, PACKAGE, SHIPPED, TESTS
-from saying import assert_says
-from sources import nodes_of
+from places import EXAMPLE, PACKAGE, SHIPPED, TESTS, nodes_of
+from reading import assert_says
 
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.
@@ -336,7 +335,7 @@ def test_a_command_loads_what_it_needs_alone(words, spared):
 
 
 def test_a_worker_loads_nothing_that_reads_files():
-    """What a worker unpickles of a calibration needs no pydantic and no YAML."""
+    """What a worker unpickles of a calibration needs no YAML."""
     loaded = loaded_by(
         "import budget.methods.monte_carlo, budget.methods.sobol",
         "import budget.calibration.problem, budget.inputs.records",

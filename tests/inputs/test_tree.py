@@ -10,7 +10,7 @@ import pytest
 from budget.errors import SpecError
 from budget.inputs import load, load_device
 from budget.inputs.composer import compose
-from budget.inputs.fields import Ruled
+from budget.inputs.fields import Keyed
 from budget.inputs.tree import (
     Location,
     block,
@@ -131,7 +131,7 @@ def test_an_issue_is_where_what_was_laid_over_is_from(tmp_path):
     assert [len(error.value.issues) for error in (one, two)] == [1, 1]
 
 
-def kinds(base=Ruled):
+def kinds(base=Keyed):
     """Yield every type of mapping with rules."""
     for kind in base.__subclasses__():
         yield kind
@@ -146,4 +146,4 @@ def test_what_rules_say_is_there():
     for kind, rule in rows:
         for _, place, _, _ in Formatter().parse(rule.says):
             name = (place or "").partition(".")[0]
-            assert not name or name in kind.model_fields or hasattr(kind, name), rule
+            assert not name or name in kind.rows or hasattr(kind, name), rule

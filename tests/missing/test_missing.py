@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from document_text import on_terminal, section
-from document_text import rows as rows_of
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from reading import on_terminal, section
+from reading import rows as rows_of
 
 from budget import load_device, load_requirement
 from budget.errors import CallError

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from command_line import analyze, call
 from places import TESTS
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, copied, store, stored
-from saying import assert_says
 
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, stored_documents
@@ -240,13 +240,16 @@ class TestRefused:
         [
             ({"format": "budget-device/1"}, "expected 'budget-reference/1'"),
             ({"format": 1}, "expected 'budget-reference/1'"),
-            ({"job": "paint"}, "job: expected 'analyze'"),
-            ({"numbers": 3}, "numbers: expected a list in brackets"),
-            ({"numbers": [{"value": 1.0}]}, "numbers.0.subject: field required"),
-            ({"surprise": 1}, "surprise: extra inputs are not permitted"),
-            ({"inputs": []}, "inputs: has 0 items, expected 1 or more"),
-            ({"settings": {"seed": -1}}, "settings.seed: expected 0 or more"),
-            ({"settings": {"method": "guess"}}, "settings.method: expected 'gum'"),
+            ({"job": "paint"}, "job: found 'paint', expected 'analyze'"),
+            ({"numbers": 3}, "numbers: found 3, expected a list in brackets"),
+            ({"numbers": [{"value": 1.0}]}, "numbers.0.subject: 'subject' is missing"),
+            ({"surprise": 1}, "surprise: unknown key 'surprise', allowed: job,"),
+            ({"inputs": []}, "inputs: found a list, has 0 items, expected 1 or more"),
+            ({"settings": {"seed": -1}}, "settings.seed: found -1, expected 0 or more"),
+            (
+                {"settings": {"method": "guess"}},
+                "settings.method: found 'guess', expected 'gum'",
+            ),
         ],
     )
     def test_wrong_values(self, path, change, said):
@@ -391,7 +394,9 @@ class TestRefused:
         """What is computed of two numbers of a reference cannot overflow."""
         content = json.loads(path.read_bytes())
         content["numbers"][3][field] = number
-        assert f"numbers.3.{field}: expected " in refused(path, signed(content))
+        assert f"numbers.3.{field}: found {number}, expected " in refused(
+            path, signed(content)
+        )
         run = call("diff", path, path.with_name("imu.yaml"))
         assert (run.code, run.out) == (2, "")
 
@@ -430,9 +435,7 @@ class TestRefused:
     def test_more_points_than_a_scramble_has(self, path):
         """Sobol' points have 30 bits."""
         content = json.loads(path.read_bytes()) | {"settings": {"samples": 2**62}}
-        assert "settings.samples: expected 1048576 or less" in refused(
-            path, signed(content)
-        )
+        assert "expected 1048576 or less; save" in refused(path, signed(content))
 
     def test_settings_of_another_kind(self, path):
         """Settings that mean nothing to the job are refused when it is checked."""

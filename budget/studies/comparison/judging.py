@@ -130,24 +130,26 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
     if not one.has_lines:
         return entrant_of(one, unjudged(one), place)
-    held, law, seed = one.limits, one.law, asked.seed
+    held, seed = one.limits, asked.seed
     prediction = one.filled.prediction
     trials, most = asked.trials or TRIALS, asked.max_trials or MAX_TRIALS
     doubtful: tuple[str, ...] = ()
     if by_law(asked):
-        judged = screen(held, law, seed=seed)
+        judged = screen(held, seed=seed)
     else:
         # What missing lines leave open, no trial decides.
         last = trials if prediction else most
-        judged = judge(held, law, seed=seed, trials=trials, max_trials=last)
+        judged = judge(held, seed=seed, trials=trials, max_trials=last)
     if asked.validate:
-        checks = validate(held.problem, law, coverage=one.wanted.coverage, seed=seed)
+        checks = validate(
+            held.problem, held.law, coverage=one.wanted.coverage, seed=seed
+        )
         doubtful = tuple(
             held.problem.outputs[row].name
             for row, by_trials in zip(held.rows, judged.by_trials, strict=True)
             if not (by_trials or checks[row].holds)
         )
-    beyond = np.abs(law.value[held.rows]) >= held.limits
+    beyond = np.abs(held.law.value[held.rows]) >= held.limits
     readings = None
     if prediction is None and len(one.sensors) == 1:
         is_usual = by_law(asked) or (trials, most) == (TRIALS, MAX_TRIALS)
@@ -223,9 +225,7 @@ def _look_closer(task: tuple[Question, Entrant], *, seed: int, trials: int) -> E
     if (finding.looked_at.trials or 0) >= trials:
         return finding
     one = replace(one)  # of thousands no Problem is kept
-    return replace(
-        finding, closer=judge_with(one.limits, one.law, seed=seed, trials=trials)
-    )
+    return replace(finding, closer=judge_with(one.limits, seed=seed, trials=trials))
 
 
 def _tied(findings: dict[int, Entrant], max_trials: int) -> list[int]:

@@ -9,10 +9,9 @@ import re
 from dataclasses import replace
 
 import pytest
-from comparison_examples import compared, only_bias, paper_device, requirement
-from document_text import find, lines, names, on_terminal, rows, section
+from builders import compared, only_bias, paper_device, requirement
 from figure_text import cut_texts
-from saying import assert_says
+from reading import assert_says, find, lines, names, on_terminal, rows, section
 
 from budget.errors import CallError
 from budget.report.blocks import Picture, Table

@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import compared, paper_device, requirement
-from document_text import find, lines, on_terminal, rows, section
-from saying import assert_says
+from builders import compared, paper_device, requirement
+from reading import assert_says, find, lines, on_terminal, rows, section
 
 from budget import documents
 from budget.language import speaking

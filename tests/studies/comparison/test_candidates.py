@@ -8,14 +8,16 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from builders import NOWHERE, line, procedure
-from comparison_examples import (
+from builders import (
     K95,
+    NOWHERE,
     by_name,
     compared,
     device,
+    line,
     only_bias,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose
@@ -45,9 +47,9 @@ def test_remedy_brings_the_worst_output_to_its_limit():
     asked = Question.of(bad, procedure=procedure(), requirement=requirement())
     one, law = asked.held, asked.law
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
-    judged = screen(one, law, seed=0)
+    judged = screen(one, seed=0)
     worst = judged.worst
-    remedy = find_remedy(one, law, judged)
+    remedy = find_remedy(one, judged)
     mended = replace(
         bad.gyro,
         lines=tuple(
@@ -290,7 +292,7 @@ def test_nothing_to_compare_is_an_error():
     [
         ({"method": "linear"}, "allowed: gum, monte-carlo"),
         ({"method": "monte-carlo", "validate": True}, "take --method gum"),
-        ({"trials": 1}, "2 or more"),
+        ({"trials": 1}, "2 to "),
         ({"trials": 200, "max_trials": 100}, "no more than --max-trials"),
         ({"procedures": [procedure(), procedure()]}, "of the same name"),
     ],

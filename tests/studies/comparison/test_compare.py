@@ -7,8 +7,7 @@ from math import prod, sqrt
 
 import numpy as np
 import pytest
-from builders import line, procedure
-from comparison_examples import (
+from builders import (
     CONSTANTS,
     K95,
     SIZES,
@@ -16,8 +15,10 @@ from comparison_examples import (
     by_name,
     compared,
     device,
+    line,
     only_bias,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose
