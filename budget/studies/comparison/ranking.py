@@ -61,7 +61,7 @@ def rank_devices(found: Iterable[Entrant]) -> tuple[Entrant, ...]:
 
 def rank(found: Iterable[R]) -> list[R]:
     """Order a list best first, say how sure each step is, and number it."""
-    order = sorted(found, key=place_of)
+    order: list[R] = sorted(found, key=place_of)
     following = [*order[1:], None]
     return numbered(
         [
