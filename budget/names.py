@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
-from typing import TYPE_CHECKING, Self
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Self, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -34,6 +34,9 @@ PLACES = {
 LENGTHS = {"position": "horizontal", "velocity": "horizontal"}
 
 
+N = TypeVar("N", bound="Name")
+
+
 class Name(str):
     """A dotted text that keeps its parts: `gyro.bias.x`.
 
@@ -59,12 +62,8 @@ class Name(str):
         time: float | None = None,
     ) -> Self:
         """Join the parts that are there with dots."""
-        at = "" if time is None else f"{time:.10g}"
-        self = super().__new__(
-            cls, ".".join(part for part in (owner, quantity, axis, at) if part)
-        )
-        self.owner, self.quantity, self.axis, self.time = owner, quantity, axis, time
-        return self
+        # A Name has its own: of thousands of devices one stands for all.
+        return _joined(cls, str(quantity), str(owner), str(axis), time)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the parts when the name is sent to another process."""
@@ -83,6 +82,17 @@ class Name(str):
     def within(self, owner: str) -> Name:
         """Leave the owner out where it is that one: what stands among its own."""
         return self.without_owner if self.owner == owner else self
+
+
+@lru_cache(maxsize=4096)
+def _joined(
+    kind: type[N], quantity: str, owner: str, axis: str, time: float | None
+) -> N:
+    """Return the name of these parts, once."""
+    at = "" if time is None else f"{time:.10g}"
+    self = str.__new__(kind, ".".join(x for x in (owner, quantity, axis, at) if x))
+    self.owner, self.quantity, self.axis, self.time = owner, quantity, axis, time
+    return self
 
 
 SPANS = (("h", 3600.0, 2.0), ("min", 60.0, 1.0), ("s", 1.0, 0.0))  # unit [s], parts

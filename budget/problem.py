@@ -148,12 +148,39 @@ class Group:
             if isinstance(distribution, Distribution)
             else distribution
         )
-        return cls(
+        shapes = _shapes(shapes, where=where)
+        mean = np.array(np.broadcast_to(estimate, u_x.shape))
+        is_checked = len(shapes) == u_x.size and np.isfinite(u_x + mean).all()
+        make = cls.known if is_checked else cls  # which says what is wrong
+        return make(
             name=as_name(name),
-            mean=np.broadcast_to(estimate, u_x.shape),
+            mean=mean,
             covariance=np.diag(u_x**2),
-            distributions=_shapes(shapes, where=where),
+            distributions=shapes,
         )
+
+    @classmethod
+    def known(
+        cls,
+        *,
+        name: Name,
+        mean: Array,
+        covariance: Array,
+        distributions: tuple[Distribution, ...],
+        pool: str = "",
+    ) -> Group:
+        """Make a group of what is known to fit, and is nobody else's: unchecked."""
+        for array in (mean, covariance):
+            array.flags.writeable = False
+        self = object.__new__(cls)
+        vars(self).update(
+            name=name,
+            mean=mean,
+            covariance=covariance,
+            distributions=distributions,
+            pool=pool,
+        )
+        return self
 
     @property
     def size(self) -> int:

@@ -385,7 +385,7 @@ class _Row:
                 included=included,
             )
             n = len(covariance)
-            return Group(
+            return Group.known(
                 name=name,
                 mean=np.zeros(n),
                 covariance=covariance,

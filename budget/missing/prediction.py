@@ -670,8 +670,9 @@ def _alike(rows: Sequence[LogLine], columns: Sequence[LogLine]) -> Array:
     )
 
 
+@lru_cache(maxsize=512)
 def figures_of(device: Device) -> dict[Name, LogLine]:
-    """Return the expected lines that a device gives."""
+    """Return the expected lines that a device gives: not to be changed."""
     return {
         Name(source.expected, owner=sensor.kind): _figure(
             device, sensor.kind, source, float(np.log(u))

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 Task = tuple[int, "Question"]  # place of the device among those compared, what is asked
 
 CHUNK = 256  # candidates that are judged by the law at once
+PREDICTED = 64  # of these, whose missing lines are predicted at once: fits are large
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
@@ -113,13 +114,16 @@ def by_law(asked: Asked) -> bool:
 
 def judge_chunk(tasks: Sequence[Task], *, asked: Asked) -> list[Entrant]:
     """Judge some candidates; what they share is made at once."""
-    devices = dict.fromkeys(device for _, one in tasks for device in one.devices)
-    prepare(devices, tasks[0][1].catalogue or shipped_devices())
     own = [replace(one) for _, one in tasks]  # of thousands no Problem is kept
     laws_together([one for one in own if one.has_lines])
-    return [
-        _judge(one, place, asked) for one, (place, _) in zip(own, tasks, strict=True)
-    ]
+    found: list[Entrant] = []
+    for start in range(0, len(own), PREDICTED):
+        some = slice(start, start + PREDICTED)
+        devices = dict.fromkeys(device for one in own[some] for device in one.devices)
+        prepare(devices, own[start].catalogue or shipped_devices())
+        for one, (place, _) in zip(own[some], tasks[some], strict=True):
+            found.append(_judge(one, place, asked))
+    return found
 
 
 def _judge(one: Question, place: int, asked: Asked) -> Entrant:

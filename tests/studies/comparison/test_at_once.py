@@ -14,12 +14,16 @@ from numpy.testing import assert_allclose
 from budget import load_procedure, load_requirement
 from budget.calibration.problem import _frame, calibration_problem
 from budget.inputs.load import try_changed
+from budget.methods.cluster import connect
 from budget.methods.gum import _KEPT, propagate
 from budget.missing.prediction import KEPT, _others, predict, prepare
 from budget.problem import Group
+from budget.question import Question, laws_together
 from budget.studies.comparison import judging
 from budget.studies.comparison.compare import compare
 from budget.studies.margin import turn
+
+REFERENCES = ("nominal", "as_tested", "next_turn_on")
 
 
 def changed(device, times):
@@ -133,6 +137,51 @@ def test_chunks_and_workers_change_nothing(monkeypatch, wanted):
 
     usual = document(64)
     assert document(1) == document(3) == document(3, Elsewhere()) == usual
+
+
+def test_laws_made_together_are_those_of_each_alone():
+    """Of all devices that ship, each in three sizes, in any order."""
+    devices = [changed(one, times) for times in (0.7, 1.0, 1.3) for one in catalogue()]
+    asked = Question.each(
+        devices[::3],
+        (load_procedure("zhao-2019"),),
+        requirement=load_requirement("catalogue-edge"),
+    )
+    questions = [one for _, one in asked if one.has_lines]
+    laws_together(questions)
+
+    assert len({id(one.problem.function) for one in questions}) < len(questions)
+    for one in questions:
+        alone = propagate(one.problem)
+        for name in ("mean", "covariance", "first_order", "degrees_of_freedom"):
+            together = getattr(one.law, name)
+            assert_allclose(together, getattr(alone, name), rtol=1e-12, atol=0.0)
+        for name in ("source_variance", "source_first_order", "interaction_variance"):
+            off = np.abs(getattr(one.law, name) - getattr(alone, name))
+            assert (off <= 1e-12 * np.diag(alone.covariance)).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("where", ["workers", "cluster"])
+def test_processes_change_nothing(monkeypatch, where):
+    """Two processes of this machine, or a cluster of one: the same document."""
+    monkeypatch.setattr(judging, "CHUNK", 3)
+    devices = [changed(one, 1.1) for one in catalogue()[::12]]
+    shown = {"method": "gum"}
+    here = compare(devices, "catalogue-edge", **shown).to_dict()
+    if where == "workers":
+        there = compare(devices, "catalogue-edge", workers=2, **shown).to_dict()
+    else:
+        distributed = pytest.importorskip("distributed")
+        with (
+            distributed.LocalCluster(
+                n_workers=1, host="127.0.0.1", dashboard_address=None, silence_logs=60
+            ) as running,
+            connect(running.scheduler_address) as c,
+        ):
+            shown |= {"executor": c.executor, "workers": c.workers}
+            there = compare(devices, "catalogue-edge", **shown).to_dict()
+    assert json.dumps(there) == json.dumps(here)
 
 
 def test_a_bad_file_among_many_stops_no_other(tmp_path):
