@@ -24,6 +24,7 @@ from budget.inputs.fields import (
     table,
     text,
 )
+from budget.known import Known
 from budget.model.source import OWNERS
 from budget.model.sources import every_source
 from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 Job = Literal["analyze", "mission", "compare", "allocate"]
 Role = Literal["device", "procedure", "station", "mission", "requirement", "costs"]
 
+FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
 SOME = range(1, 10**9)  # or more: a file may have many variants
@@ -199,6 +201,15 @@ class QuantityValue:
         return Item(subject=self.subject, quantity=self.quantity, partner=self.partner)
 
     @property
+    def known(self) -> Known:
+        """The number, with the end that lines which are not given leave open."""
+        if not self.lower_bound:
+            return Known(self.value)
+        if self.quantity in FALLING:
+            return Known(self.value, low=-inf)
+        return Known.at_least(self.value)
+
+    @property
     def is_sampled(self) -> bool:
         """Whether another seed gives another value."""
         return self.standard_error is not None or self.trials is not None
@@ -216,7 +227,6 @@ class NominalProperty:
     rests_on: str = ""
     unit: ClassVar[str] = ""
     is_sampled: ClassVar[bool] = False
-    lower_bound: ClassVar[bool] = False
 
     @cached_property
     def item(self) -> Item:
@@ -224,7 +234,7 @@ class NominalProperty:
         return Item(subject=self.subject, quantity=self.quantity)
 
     @property
-    def value(self) -> str:
+    def known(self) -> str:
         """The text."""
         return self.text
 
