@@ -6,7 +6,7 @@ no number at all. The number carries that with it, and why.
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, isinf
 from typing import TYPE_CHECKING, Self
 
 from budget.ties import settle
@@ -66,6 +66,11 @@ class Known(float):
         if not why:
             return cls(value)
         return cls(value, None if is_felt else -inf, inf, why)
+
+    def like(self, value: float) -> Known:
+        """Return another size that is known as this one is."""
+        low, high = (end if isinf(end) else None for end in (self.low, self.high))
+        return Known(value, low, high, self.why)
 
     @classmethod
     def largest(cls, numbers: Iterable[Known]) -> Known:

@@ -203,15 +203,29 @@ class Group:
         """Shapes of the independent variates that `deviations` takes."""
         return self.distributions
 
-    def deviations(self, z: Array) -> Array:
+    @cached_property
+    def is_normal(self) -> bool:
+        """Whether all independent variates are normal."""
+        return all(shape == NORMAL for shape in self.drawn)
+
+    def deviations(self, z: Array, out: Array | None = None) -> Array:
         """Return deviations from the mean, shape (n, trials) [SI].
 
         Parameters
         ----------
         z : ndarray, shape (n, trials)
             Independent variates of the shapes `drawn`, of unit standard uncertainty.
+        out : ndarray, shape (n, trials), optional
+            Where they go.
         """
-        return self.factor @ z
+        if self.is_independent:
+            return np.multiply(self._scale, z, out=out)
+        return np.matmul(self.factor, z, out=out)
+
+    @cached_property
+    def _scale(self) -> Array:
+        """The diagonal of a factor that is diagonal, shape (n, 1) [SI]."""
+        return np.diag(self.factor)[:, None]
 
     @property
     def correlation(self) -> Array:

@@ -54,7 +54,7 @@ from budget.inputs import (
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import JOINT, UNCALIBRATED, Device
 from budget.inputs.use import in_use
-from budget.methods.gum import propagate
+from budget.methods.gum import propagate, propagate_together
 from budget.missing import REFUSE, Filling, fill_all
 from budget.missing.expected import (
     expecting,
@@ -85,7 +85,14 @@ from budget.settings import Asked, Inputs, check
 from budget.units import parse_quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Container, Hashable, Mapping, Sequence
+    from collections.abc import (
+        Callable,
+        Container,
+        Hashable,
+        Iterator,
+        Mapping,
+        Sequence,
+    )
 
     from numpy.typing import NDArray
 
@@ -150,6 +157,31 @@ class Limited:
     def outputs(self) -> tuple[Output, ...]:
         """The required outputs."""
         return tuple(self.problem.outputs[row] for row in self.rows)
+
+    @cached_property
+    def law(self) -> Propagation:
+        """The law of propagation for the Problem."""
+        return propagate(self.problem)
+
+    @property
+    def mean(self) -> Array:
+        """Expected errors by the law, shape (n_required,) [SI]."""
+        return self.law.mean[self.rows]
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties by the law, shape (n_required,) [SI]."""
+        return self.law.standard_uncertainty[self.rows]
+
+    @cached_property
+    def by_law(self) -> Array:
+        """Coverage intervals by the law, shape (n_required, 2) [SI]."""
+        return np.asarray(self.law.interval(self.every_coverage)[self.rows])
+
+    @property
+    def lengths(self) -> NDArray[np.intp]:
+        """Places among the lengths of the Problem; below 0 of what is none."""
+        return self.rows - (self.law.value.size - self.law.legs.shape[1])
 
     @property
     def every_coverage(self) -> Array:
@@ -311,6 +343,46 @@ class Question:
             missing=asked.missing,
             catalogue=inputs.catalogue,
         )
+
+    @classmethod
+    def each(
+        cls,
+        devices: Sequence[Device],
+        procedures: Sequence[Procedure],
+        *,
+        requirement: Requirement,
+        mission: Mission | None = None,
+        missing: str = REFUSE,
+        catalogue: Sequence[Device] | None = None,
+    ) -> Iterator[tuple[int, Question]]:
+        """Put together each device after each procedure, one at a time.
+
+        Of each owner of limits alone: a triad, what belongs to both, the mission; with
+        the place of the device among those given.
+
+        Raises
+        ------
+        CallError
+            With limits that nothing can be said of, before the first.
+        """
+        for how in procedures:
+            refuse_unjudged(requirement, mission, how)
+        for how in (in_use(one, requirement, mission) for one in procedures):
+            for place, device in enumerate(devices):
+                kinds = [sensor.kind for sensor in device.sensors]
+                on = [None] * any(calibrates(kind, how) for kind in kinds)
+                is_whole = len(kinds) == len(SENSORS)
+                for journey in (*on, mission) if mission and is_whole else on:
+                    one = cls.of(
+                        device,
+                        procedure=how,
+                        requirement=requirement,
+                        mission=journey,
+                        carried_to=None if journey is None else (),
+                        missing=missing,
+                        catalogue=catalogue,
+                    )
+                    yield from ((place, one.alone(owner)) for owner in one.limited)
 
     def whole(self) -> Self:
         """Return it, where every limit can be judged.
@@ -489,6 +561,16 @@ class Question:
         return with_accelerometers(self.sensors, self.procedure)
 
     @property
+    def title(self) -> str:
+        """Names of the devices."""
+        return " + ".join(device.name for device in self.devices)
+
+    @property
+    def not_given(self) -> tuple[Name, ...]:
+        """Lines of the model that the data sheets of its triads do not give."""
+        return tuple(name for sensor in self.sensors for name in sensor.not_given)
+
+    @property
     def has_lines(self) -> bool:
         """Whether any error line is given."""
         return any(sensor.lines for sensor in self.sensors)
@@ -605,7 +687,7 @@ class Question:
     @cached_property
     def law(self) -> Propagation:
         """The law of propagation for it."""
-        return propagate(self.problem)
+        return propagate(self.problem) if self.held is None else self.held.law
 
     @property
     def carried(self) -> tuple[Mission, tuple[Name, ...]] | None:
@@ -642,6 +724,14 @@ def _told(line: ErrorLine) -> tuple[Hashable, ...]:
         line.u.tobytes(),
         None if times is None else times.tobytes(),
     )
+
+
+def laws_together(questions: Sequence[Question]) -> None:
+    """Make the laws of several questions, those of one structure at once."""
+    open_ones = [one for one in questions if "law" not in vars(one)]
+    laws = propagate_together([one.problem for one in open_ones])
+    for one, law in zip(open_ones, laws, strict=True):
+        vars(one)["law"] = law  # as if each had been asked for it
 
 
 def question_of(budget: Budget) -> Question:

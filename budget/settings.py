@@ -210,8 +210,11 @@ def _allowed(value: object, row: Row) -> str:
     if row.least is None:
         return ""
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
-    is_good = is_whole and value >= row.least  # type: ignore[operator]
-    return "" if is_good else f"whole numbers, {row.least} or more"
+    most = float("inf") if row.most is None else row.most
+    if is_whole and row.least <= value <= most:  # type: ignore[operator]
+        return ""
+    to = " or more" if row.most is None else f" to {row.most}"
+    return f"whole numbers, {row.least}{to}"
 
 
 def _whole(text: str, or_else: str = "") -> int:

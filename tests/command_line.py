@@ -111,13 +111,13 @@ def surroundings():
     return kept | TERMINAL
 
 
-def call(*args, **environment):
+def call(*args, code=None, **environment):
     """Call the command line in this process, which saves the start of another.
 
-    Keywords are more of its environment.
+    Keywords are more of its environment; it ends with `code`, where that is given.
     """
     out, err = io.StringIO(), io.StringIO()
-    code = 0
+    ended = 0
     with (
         patch.object(sys, "argv", ["budget", *map(str, args)]),
         patch.object(typer.main, "get_command", COMMAND),
@@ -128,8 +128,9 @@ def call(*args, **environment):
         try:
             main()
         except SystemExit as stop:
-            code = stop.code or 0
-    return Outcome(code=code, out=out.getvalue(), err=err.getvalue())
+            ended = stop.code or 0
+    assert code in {None, ended}, (ended, err.getvalue() or out.getvalue())
+    return Outcome(code=ended, out=out.getvalue(), err=err.getvalue())
 
 
 def start(*args, cwd, python=sys.executable, **environment):
@@ -151,9 +152,7 @@ def start(*args, cwd, python=sys.executable, **environment):
 
 def analyze(*args):
     """Return the document of a budget that is not validated."""
-    run = call("analyze", *args, "--no-validate", "--json", "-")
-    assert run.code == 0, run.err
-    return run.document
+    return call("analyze", *args, "--no-validate", "--json", "-", code=0).document
 
 
 def output(document, name):
@@ -174,8 +173,3 @@ def contribution(document, name, source):
         if part["source"] == source
     )
     return part
-
-
-def last_digit(printed):
-    """One unit in the last printed digit."""
-    return 10.0 ** -len(printed.partition(".")[2])

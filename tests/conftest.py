@@ -123,6 +123,23 @@ def searched_once():
         yield
 
 
+ANALYZED: dict = {}
+
+
+@pytest.fixture(scope="module")
+def analyzed_once():
+    """Compute a budget once, in however many forms it is told."""
+    compute = once(analysis.analyze_as, ANALYZED)
+
+    def kept(*args, **options):
+        del options["engine"]  # its talk and its bar are for no two calls the same
+        return compute(*args, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(analysis, "analyze_as", kept)
+        yield
+
+
 VARIATES = Variates()
 
 

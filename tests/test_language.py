@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import pytest
 from command_line import call
-from document_text import find, on_terminal
 from extraction import (
     CATALOGUES,
     catalogue_of,
@@ -20,6 +19,7 @@ from extraction import (
     vocabulary,
 )
 from places import PACKAGE
+from reading import find, on_terminal
 from report_examples import make_assessment, make_budget
 
 from budget.errors import CallError

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from places import put
 
 from budget import analyze, load_device, load_procedure, load_requirement
 from budget.names import Name
@@ -29,9 +30,7 @@ def limits(tmp_path):
     """Return a function that writes wide limits, with more of the gyro's."""
 
     def write(more=""):
-        path = tmp_path / "loose.yaml"
-        path.write_text(f"{LOOSE}{more}}}\n")
-        return path
+        return put(tmp_path / "loose.yaml", f"{LOOSE}{more}}}\n")
 
     return write
 
@@ -77,15 +76,14 @@ def test_a_limit_on_a_held_parameter_is_never_met(limits):
 
 def test_limits_on_held_parameters_alone_are_none(tmp_path):
     """There is nothing to judge: what the requirement would have to limit is said."""
-    path = tmp_path / "bias.yaml"
-    path.write_text("name: bias\nlimits: {gyro: {bias: 5 deg/h}}\n")
+    path = put(tmp_path / "bias.yaml", "name: bias\nlimits: {gyro: {bias: 5 deg/h}}\n")
     for command in ("compare", "allocate", "report"):
         more = ("-o", tmp_path / "page.html") if command == "report" else ()
         run = call(
-            *(command, "zhao-2019", "--requirement", path, "--procedure", TABLE, *more)
+            *(command, "zhao-2019", "--requirement", path, "--procedure", TABLE, *more),
+            code=2,
         )
 
-        assert run.code == 2
         assert "limit" in run.err
         assert "Traceback" not in run.err
 
@@ -98,9 +96,7 @@ def aligned(tmp_path):
     """Return a function that writes limits on the misalignment, and on more."""
 
     def write(limit, more=""):
-        path = tmp_path / "aligned.yaml"
-        path.write_text(f"{ALIGNED}{limit}\n{more}")
-        return path
+        return put(tmp_path / "aligned.yaml", f"{ALIGNED}{limit}\n{more}")
 
     return write
 
@@ -172,8 +168,10 @@ def test_an_allocation_holds_limits_on_what_is_derived(tmp_path):
 
     So mounting repeatability may be 10 arcsec over k, less what noise takes of it.
     """
-    path = tmp_path / "turned.yaml"
-    path.write_text("name: turned\nlimits: {gyro: {rotation: 10 arcsec}}\n")
+    path = put(
+        tmp_path / "turned.yaml",
+        "name: turned\nlimits: {gyro: {rotation: 10 arcsec}}\n",
+    )
     how = ("--no-validate", "--json", "-")
     found = call("allocate", "zhao-2019", "--requirement", path, *how).document
     names = [one["output"] for one in found["outputs"]]

@@ -8,8 +8,7 @@ from functools import cache
 
 import pytest
 from jinja2 import meta, nodes
-from places import SHIPPED
-from sources import nodes_of
+from places import SHIPPED, nodes_of
 
 from budget.calibration.saturation import Peak
 from budget.errors import OutputError

@@ -82,7 +82,7 @@ def test_a_new_setting_is_one_field(tmp_path):
     found = json.loads(next(line for line in lines if line.startswith('{"doc"')))
     assert "--depth <int range>" in run.stdout
     assert "depth : int\n    How deep the water is." in found["doc"]
-    assert found["refused"] == "depth is 0, allowed: whole numbers, 1 or more"
+    assert found["refused"] == "depth is 0, allowed: whole numbers, 1 to 9"
     assert found["document"]["depth"] == 7
     assert {*found["codes"]} <= {None, 0}
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
@@ -96,6 +96,21 @@ def test_a_number_of_another_kind_is_refused_where_it_is_the_usual_one(given):
     """It says what is allowed, as of any other."""
     with pytest.raises(CallError, match="whole numbers"):
         budget.analyze("zhao-2019", validate=False, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "allowed"),
+    [
+        ({"digits": 3}, "1 to 2"),
+        ({"samples": 2**21, "validate": False}, "2 to 1048576"),
+        ({"trials": 0}, "2 to "),
+        ({"workers": 0}, "1 or more"),
+    ],
+)
+def test_a_number_beyond_what_the_command_takes_is_refused(given, allowed):
+    """The library says the same range as the option."""
+    with pytest.raises(CallError, match=f"allowed: whole numbers, {allowed}"):
+        budget.analyze("zhao-2019", **given)
 
 
 LIBRARY = {

@@ -9,6 +9,7 @@ import pytest
 from report_examples import make_assessment, make_budget
 
 from budget.inputs.records import ANGLES
+from budget.known import Known
 from budget.names import Name
 from budget.report.analysis.verdict import verdict_cards
 from budget.report.figures.outputs import utilisation_chart
@@ -104,12 +105,14 @@ def shaken(budget, seed):
         outputs=tuple(
             replace(
                 row,
-                standard_uncertainty=shake(rng, row.standard_uncertainty),
+                standard_uncertainty=Known(shake(rng, row.standard_uncertainty)),
                 interval=tuple(shake(rng, end) for end in row.interval),
                 contributions=tuple(
                     replace(
                         part,
-                        standard_uncertainty=shake(rng, part.standard_uncertainty),
+                        standard_uncertainty=Known(
+                            shake(rng, part.standard_uncertainty)
+                        ),
                         share=shake(rng, part.share),
                     )
                     for part in row.contributions

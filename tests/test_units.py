@@ -7,6 +7,7 @@ from math import pi
 
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError, UnitError
 from budget.inputs import load_device
@@ -554,9 +555,8 @@ def test_nothing_of_another_kind_is_proposed(like):
 
 def gyro(tmp_path, line, figure):
     """Return a line of a gyro whose file says that figure."""
-    path = tmp_path / "gyro.yaml"
-    path.write_text(
-        f"name: x\ngyro: {{errors: {{{line}: {figure}}}}}\n", encoding="utf-8"
+    path = put(
+        tmp_path / "gyro.yaml", f"name: x\ngyro: {{errors: {{{line}: {figure}}}}}\n"
     )
     return load_device(path).gyro.line(line)
 
@@ -602,11 +602,10 @@ def test_no_rate_passes_for_a_random_walk(line, figure, words, tmp_path):
 def test_a_micro_g_is_an_acceleration_and_no_mass(micro, tmp_path):
     """50 ug of bias is 50e-6 times gravity; the same text as a mass stays a text."""
     unit = f"{micro}g"
-    path = tmp_path / "accelerometer.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "accelerometer.yaml",
         f"name: x\nmass: 50 {unit}\n"
         f"accelerometer: {{errors: {{bias_repeatability: 50 {unit}}}}}\n",
-        encoding="utf-8",
     )
     device = load_device(path)
     line = device.accelerometer.line("bias_repeatability")

@@ -9,7 +9,8 @@ source that both triads share is drawn once and felt by both.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, reduce
+from operator import add
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,7 +49,7 @@ from budget.problem import Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
@@ -611,30 +612,28 @@ class TriadCalibration:
             found = scheme.read_errors(truth, epsilon)
         return Read(errors=found, epsilon=epsilon)
 
-    def count(self, x: Array, found: Errors) -> Array:
-        """Return the errors against the reference, shape (n_outputs, trials).
+    def count(self, x: Array, found: Errors) -> list[Array]:
+        """Return the errors against the reference, rows (n, trials) after one another.
 
         Scale factors [1], mounting angles [rad], biases [unit of the input].
         """
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.
         r = self._scale_factor_deviation(x)
-        errors = np.concatenate(
-            [
-                r + found.scale_factor * (1.0 + r),
-                found.mounting_angle + self._deviation(x, "mounting_angle"),
-                found.bias + self._deviation(x, "bias"),
-            ]
-        )
+        errors = [
+            r + found.scale_factor * (1.0 + r),
+            found.mounting_angle + self._deviation(x, "mounting_angle"),
+            found.bias + self._deviation(x, "bias"),
+        ]
         held = self.scheme.held
-        if held is not None and self.every:
-            places = held.held
-            errors[places] = self._left_by_design(x)[places]
-        elif held is not None:
-            errors = errors[held.estimated]
+        if held is not None:
+            every = np.concatenate(errors)
+            if self.every:
+                every[held.held] = self._left_by_design(x)[held.held]
+            errors = [every if self.every else every[held.estimated]]
         if found.higher is None or not self.scheme.orders:
             return errors
-        return np.concatenate([errors, found.higher - self._found_before(x)])
+        return [*errors, found.higher - self._found_before(x)]
 
     def _left_by_design(self, x: Array) -> Array:
         """Return design values minus those of the reference, shape (12, trials).
@@ -660,28 +659,25 @@ class TriadCalibration:
 
     def _add(self, nominal: Array, x: Array, target: str) -> Array:
         """Return nominal values plus their offsets, (n, trials)."""
-        value = np.zeros_like(x, shape=(len(nominal), x.shape[1])) + nominal[:, None]
-        for constant in self.offsets[target]:
-            value += constant.value(x)
-        return value
+        total = _sum(constant.value(x) for constant in self.offsets[target])
+        if isinstance(total, float):
+            total = np.zeros_like(x, shape=(len(nominal), x.shape[1]))
+        return total + nominal[:, None] if nominal.any() else total
 
     def _deviation(self, x: Array, target: str) -> Array | float:
         """Return true values during the test minus the reference's."""
-        zero: Array | float = 0.0
-        return sum((c.deviation(x, self.reference) for c in self.offsets[target]), zero)
+        return _sum(c.deviation(x, self.reference) for c in self.offsets[target])
 
-    def _scale_factor_deviation(self, x: Array) -> Array:
+    def _scale_factor_deviation(self, x: Array) -> Array | float:
         """Return (K true - K reference) / K reference, shape (3, trials) [1].
 
         K = K0 (1 + sum of the offsets): Zhao 2019, eq. (14).
         """
-        k = np.zeros_like(x, shape=(3, x.shape[1])) + self._deviation(x, "scale_factor")
+        k = self._deviation(x, "scale_factor")
         if self.reference != "next_turn_on":
             return k  # K reference is K0, or K itself and k is 0
-        zero: Array | float = 0.0
         met = (c for c in self.offsets["scale_factor"] if not c.is_left)
-        later = sum((c.next_value(x) for c in met), zero)
-        return np.asarray(k / (1.0 + later))
+        return k / (1.0 + _sum(c.next_value(x) for c in met))
 
     def _noise(self, x: Array) -> Array:
         """Return the statistics of the noise, shape (3, k, trials)."""
@@ -716,8 +712,14 @@ class Calibration:
         for triad in reversed(self.triads):
             read = triad.read(x, read)
             if triad.scheme.owner in self.kinds:
-                found.insert(0, triad.count(x, read.errors))
+                found = triad.count(x, read.errors) + found
         return np.concatenate(found)
+
+
+def _sum(values: Iterable[Array | float]) -> Array | float:
+    """Return the sum: of one array itself, of nothing 0."""
+    first, *others = [*values] or [0.0]
+    return reduce(add, others, first)
 
 
 def _calibration(

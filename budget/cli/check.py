@@ -279,7 +279,7 @@ def validate(
     from budget.inputs.load import try_valid
     from budget.inputs.makers import MEANINGS
     from budget.language import say
-    from budget.studies.verdicts import cautions_of_device
+    from budget.studies.sheets import cautions_of_device
 
     checked, issues = try_valid(files, inputs.changes)
     for found in checked:

@@ -67,12 +67,13 @@ def compare(
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_files, hand_out, pages_asked
+    from budget.documents import document
     from budget.errors import CallError, SpecError
     from budget.inputs.load import shipped_path, try_changed
     from budget.missing import shipped_devices
-    from budget.report.comparison.document import json_pieces, to_csv
     from budget.report.comparison.page import comparison_answer, comparison_document
-    from budget.report.comparison.tables import find_column
+    from budget.report.comparison.tables import find_column, to_csv
+    from budget.report.document import json_pieces
     from budget.studies.comparison.compare import compare as run
 
     check_files(out, inputs, devices)
@@ -111,7 +112,10 @@ def compare(
         )
     make = partial(comparison_document, found)
     hand_out(
-        [(out.json, lambda: json_pieces(found)), (out.csv, lambda: [to_csv(found)])],
+        [
+            (out.json, lambda: json_pieces(document(found))),
+            (out.csv, lambda: [to_csv(found)]),
+        ],
         lambda: comparison_answer(
             found, order=None if column is None else column.order, full=out.full
         ),

@@ -21,6 +21,7 @@ from contextlib import contextmanager
 from functools import cache, lru_cache
 from hashlib import sha256
 from itertools import islice
+from math import ceil
 from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -28,7 +29,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from budget.distributions import LEAST, NORMAL
+from budget.distributions import LEAST
 from budget.errors import BudgetError, WorkerError
 
 if TYPE_CHECKING:
@@ -39,7 +40,8 @@ if TYPE_CHECKING:
 
 HEARTBEAT = 2.0  # [s] between looks at whether the others are still there
 KEPT = 2**25 - 2**16  # bytes, of memory that the C library is told to keep
-BLOCK = 4096  # trials; inputs of a block (some 2 MB) stay in the cache
+BLOCK = 4096  # trials of a stream; inputs of a block (some 2 MB) stay in the cache
+BATCH = 3  # blocks that are evaluated at once: a macro-block of most runs
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")
@@ -67,15 +69,30 @@ def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
         if group.is_constant:
             x[:] = group.mean[:, None]
             continue
-        rng = stream(seed, group.name, block)
-        _draw_unit(group, rng, x)
-        if group.is_independent:
-            x *= np.diag(group.factor)[:, None]
-        else:
-            x[:] = group.deviations(x)
+        z = np.empty(x.shape)
+        _draw_unit(group, stream(seed, group.name, block), z)
+        group.deviations(z, out=x)
         if group.mean.any():
             x += group.mean[:, None]
     return out
+
+
+def batches(
+    problem: Problem, seed: int, *, block: int, trials: int
+) -> Iterator[tuple[slice, Array]]:
+    """Yield so many trials from a block on: their places, values (n_out, n) [SI].
+
+    Several blocks are evaluated at once: fewer calls of functions, each of which finds
+    its code and its objects pushed out of the cache by the drawing.
+    """
+    x = np.empty((problem.n_inputs, min(BATCH, ceil(trials / BLOCK)) * BLOCK))
+    for start in range(0, trials, BATCH * BLOCK):
+        columns = range(0, min(x.shape[1], trials - start), BLOCK)
+        for column in columns:
+            at = slice(column, column + BLOCK)
+            draw(problem, seed, block + (start + column) // BLOCK, x[:, at])
+        y = problem.evaluate(x[:, : len(columns) * BLOCK])[:, : trials - start]
+        yield slice(start, start + y.shape[1]), y
 
 
 def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
@@ -84,7 +101,7 @@ def _draw_unit(group: Group, rng: np.random.Generator, out: Array) -> None:
     Normal ones by numpy's own method. In a group with any other shape every input is
     the quantile of one uniform number, so that no input's shape moves another's draws.
     """
-    if all(shape == NORMAL for shape in group.drawn):
+    if group.is_normal:
         rng.standard_normal(out=out)
         return
     rng.random(out=out)

@@ -21,6 +21,7 @@ coverage (budget.methods.radius), to either side.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -33,15 +34,19 @@ from budget.methods.jets import Expansion, expand
 from budget.methods.radius import circles, plane_variances, probability_within
 
 if TYPE_CHECKING:
+    from collections.abc import Hashable, Sequence
+
     import pandas as pd
     from numpy.typing import NDArray
 
     from budget.arrays import Array
+    from budget.distributions import Distribution
     from budget.names import Name
     from budget.problem import Function, Output, Problem
 
 
 ROUNDING = 1e-9  # [1], relative, of effective degrees of freedom
+AT_ONCE = 32  # Problems of one structure in one computation
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,63 +212,109 @@ def propagate(problem: Problem) -> Propagation:
         The model bends in an input whose shape has no finite kurtosis, has no
         derivatives at the best estimates, or overflows.
     """
-    taylor = derivatives(problem)
-    C, H = taylor.C, taylor.H
-    blocks = [np.asarray(group.covariance) for group in problem.groups]
-    U_x = _block_diagonal(blocks)
+    return propagate_together([problem])[0]
 
-    first_order = C @ U_x @ C.T  # JCGM 102:2011, 6.2.1.3
-    HU = np.empty(H.shape)
-    for rows, block in zip(problem.slices, blocks, strict=True):  # all else of U_x is 0
-        HU[:, :, rows] = H[:, :, rows] @ block
-    UH = HU.transpose(0, 2, 1)
-    second = 0.5 * np.tensordot(HU, UH, axes=((1, 2), (1, 2)))
-    # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
-    pair = HU * UH
-    pair *= 0.5
-    skew, excess = higher_moments(problem)
+
+def propagate_together(problems: Sequence[Problem]) -> list[Propagation]:
+    """Propagate through several Problems, those of one structure at once.
+
+    Of one structure are those of one function and the same estimates, whose sources
+    have the same names and sizes: they share the derivatives, and differ in the
+    covariances of their inputs alone. Each law is that of its Problem alone.
+
+    Raises
+    ------
+    ProblemError
+        As propagate.
+    """
+    alike: dict[Hashable, list[int]] = {}
+    for place, one in enumerate(problems):
+        alike.setdefault(_structure(one), []).append(place)
+    found: dict[int, Propagation] = {}
+    for places in alike.values():
+        for start in range(0, len(places), AT_ONCE):
+            some = places[start : start + AT_ONCE]
+            laws = _propagated([problems[place] for place in some])
+            found |= dict(zip(some, laws, strict=True))
+    return [found[place] for place in range(len(problems))]
+
+
+def _structure(problem: Problem) -> Hashable:
+    """Return what Problems have in common whose derivatives are the same."""
+    if not getattr(problem.function, "is_steady", False):
+        return id(problem)
+    groups = tuple((group.name, group.size, group.pool) for group in problem.groups)
+    shared = (id(problem.function), id(problem.outputs))
+    return *shared, problem.mean.tobytes(), groups
+
+
+def _propagated(problems: Sequence[Problem]) -> list[Propagation]:
+    """Propagate through Problems of one structure; n of them in what follows."""
+    first = problems[0]
+    taylor = derivatives(first)
+    C, H, slices = taylor.C, taylor.H, first.slices
+    U_x = np.zeros((len(problems), C.shape[1], C.shape[1]))
+    for g, rows in enumerate(slices):  # all else is 0: groups are independent
+        U_x[:, rows, rows] = [one.groups[g].covariance for one in problems]
+    CU = C @ U_x
+    first_order = CU @ C.T  # JCGM 102:2011, 6.2.1.3, shape (n, n_out, n_out)
+    # H U, of which the rows (k, i) alone are not 0 that H has.
+    k, i = H.any(axis=2).nonzero()
+    HU = np.zeros((len(problems), *H.shape))
+    HU[:, k, i] = H[k, i] @ U_x
+    UH = HU.transpose(0, 1, 3, 2)
+    flat = (len(problems), len(C), H.shape[1] * H.shape[2])
+    second = 0.5 * HU.reshape(flat) @ UH.reshape(flat).transpose(0, 2, 1)
+    skew, excess = map(np.array, zip(*map(higher_moments, problems), strict=True))
     diagonal = np.einsum("kii->ki", H)
-    _refuse_infinite(problem, diagonal, excess)
-    excess = np.where(np.isfinite(excess), excess, 0.0)
-    skew = np.where(np.isfinite(skew), skew, 0.0)
-    second += np.einsum("ki,li,i->kl", diagonal, diagonal, excess)
-    leaning = np.einsum("ki,li,i->kl", C, diagonal, 0.5 * skew)
-    second += leaning + leaning.T
-
-    linear = np.array(
-        [
-            np.einsum("ki,ij,kj->k", C[:, rows], block, C[:, rows])
-            for rows, block in zip(problem.slices, blocks, strict=True)
-        ]
-    ).reshape(len(blocks), len(C))
-    alone = np.array(
-        [
-            own
-            + pair[:, rows, rows].sum(axis=(1, 2))
-            + diagonal[:, rows] ** 2 @ excess[rows]
-            + (C[:, rows] * diagonal[:, rows]) @ skew[rows]
-            for own, rows in zip(linear, problem.slices, strict=True)
-        ]
-    ).reshape(linear.shape)
-    for rows in problem.slices:  # what is left are products of two sources
-        pair[:, rows, rows] = 0.0
-    covariance = first_order + second
-    refuse_no_number(problem, "variance", np.sqrt(np.diag(covariance)), covariance)
-    law = Propagation(
-        value=taylor.value,
-        mean=taylor.value + 0.5 * np.einsum("kii->k", HU),
-        covariance=covariance,
-        first_order=first_order,
-        source_variance=alone,
-        source_first_order=linear,
-        interaction_variance=pair.sum(axis=(1, 2)),
-        degrees_of_freedom=_effective_degrees_of_freedom(problem, C, first_order),
-        C=C,
-        H=H,
-        outputs=tuple(problem.outputs),
-        sources=tuple(group.name for group in problem.groups),
+    for one, own in zip(problems, excess, strict=True):
+        _refuse_infinite(one, diagonal, own)
+    excess = np.where(np.isfinite(excess), excess, 0.0)[:, None]
+    skew = np.where(np.isfinite(skew), skew, 0.0)[:, None]
+    if excess.any() or skew.any():
+        second += (diagonal * excess) @ diagonal.T
+        leaning = (C * (0.5 * skew)) @ diagonal.T
+        second += leaning + leaning.transpose(0, 2, 1)
+    # Per pair of sources: 1/2 sum over i in one, j in the other of (HU)_ij (HU)_ji.
+    pair = 0.5 * HU[:, k, i] * UH[:, k, i]
+    source = np.repeat(np.arange(len(slices)), [x.stop - x.start for x in slices])
+    is_own = source[i, None] == source
+    own, between = (
+        (pair * chosen).sum(axis=-1)[:, None] for chosen in (is_own, ~is_own)
     )
-    return _with_lengths(law, problem.legs) if problem.legs.size else law
+    of_output = (k[:, None] == np.arange(len(C))).astype(float)
+    linear = np.zeros((len(problems), len(slices), len(C)))
+    alone = np.zeros_like(linear)
+    by_shape = diagonal**2 * excess + C * diagonal * skew
+    for g, rows in enumerate(slices):
+        linear[:, g] = (CU[:, :, rows] * C[:, rows]).sum(axis=-1)
+        chosen = of_output * (source[i] == g)[:, None]
+        alone[:, g] = linear[:, g] + (own @ chosen)[:, 0]
+        alone[:, g] += by_shape[:, :, rows].sum(axis=-1)
+    covariance = first_order + second
+    mean = taylor.value + 0.5 * np.einsum("nkii->nk", HU)
+    interaction = (between @ of_output)[:, 0]
+    found = []
+    for n, one in enumerate(problems):
+        refuse_no_number(
+            one, "variance", np.sqrt(np.diag(covariance[n])), covariance[n]
+        )
+        law = Propagation(
+            value=taylor.value,
+            mean=mean[n],
+            covariance=covariance[n],
+            first_order=first_order[n],
+            source_variance=alone[n],
+            source_first_order=linear[n],
+            interaction_variance=interaction[n],
+            degrees_of_freedom=_effective_degrees_of_freedom(one, C, first_order[n]),
+            C=C,
+            H=H,
+            outputs=tuple(one.outputs),
+            sources=tuple(group.name for group in one.groups),
+        )
+        found.append(_with_lengths(law, one.legs) if one.legs.size else law)
+    return found
 
 
 def derivatives(problem: Problem) -> Expansion:
@@ -399,16 +450,29 @@ def _effective_degrees_of_freedom(
     problem: Problem, C: Array, first_order: Array
 ) -> Array:
     """Return the Welch-Satterthwaite formula, shape (n_out,): (G.2b)."""
-    v = np.array(
-        [d.degrees_of_freedom for g in problem.groups for d in g.distributions]
-    )
-    u = np.sqrt(
-        np.concatenate([np.empty(0), *(np.diag(g.covariance) for g in problem.groups)])
-    )
-    parts = ((C * u) ** 4 / v).sum(axis=1)
+    few = [_few(group.distributions) for group in problem.groups]
+    if not any(one.any() for one in few):
+        return np.full(len(C), np.inf)
+    over_v = np.concatenate(few)
+    u = np.sqrt(np.concatenate([np.diag(g.covariance) for g in problem.groups]))
+    parts = ((C * u) ** 4 * over_v).sum(axis=1)
     combined = np.diag(first_order) ** 2
-    few = parts > 0.0
-    return np.where(few, combined / np.where(few, parts, 1.0), np.inf)
+    is_few = parts > 0.0
+    return np.where(is_few, combined / np.where(is_few, parts, 1.0), np.inf)
+
+
+@lru_cache(maxsize=256)
+def _few(shapes: tuple[Distribution, ...]) -> Array:
+    """Return one over the degrees of freedom of some inputs, shape (n,) [1]."""
+    return 1.0 / np.array([shape.degrees_of_freedom for shape in shapes])
+
+
+@lru_cache(maxsize=256)
+def _of_shapes(shapes: tuple[Distribution, ...]) -> tuple[Array, Array]:
+    """Return skewness and (kurtosis - 3)/4 of some inputs, shape (n,) each [1]."""
+    gamma = np.array([shape.skewness for shape in shapes])
+    kurtosis = np.array([shape.kurtosis for shape in shapes])
+    return gamma, (kurtosis - 3.0) / 4.0
 
 
 def higher_moments(problem: Problem) -> tuple[Array, Array]:
@@ -419,13 +483,11 @@ def higher_moments(problem: Problem) -> tuple[Array, Array]:
     skew, excess = [np.empty(0)], [np.empty(0)]
     for group in problem.groups:
         u2 = np.diag(group.covariance)
+        gamma, kurtosis = _of_shapes(group.distributions)
         # An infinite moment of what does not vary counts nothing.
         counts = (u2 > 0.0) & group.is_independent
-        shapes = group.distributions
-        gamma = np.array([d.skewness for d in shapes])
-        kurtosis = np.array([d.kurtosis for d in shapes])
         skew.append(np.where(counts, gamma, 0.0) * u2**1.5)
-        excess.append(np.where(counts, (kurtosis - 3.0) / 4.0, 0.0) * u2**2)
+        excess.append(np.where(counts, kurtosis, 0.0) * u2**2)
     return np.concatenate(skew), np.concatenate(excess)
 
 
@@ -459,14 +521,3 @@ def _refuse_infinite(problem: Problem, diagonal: Array, excess: Array) -> None:
                 "to second order; take Monte Carlo (budget.sample), or a shape with "
                 "lighter tails"
             )
-
-
-def _block_diagonal(blocks: list[Array]) -> Array:
-    """Return the covariance of all inputs: groups are independent."""
-    n = sum(len(block) for block in blocks)
-    U_x, row = np.zeros((n, n)), 0
-    for block in blocks:
-        end = row + len(block)
-        U_x[row:end, row:end] = block
-        row = end
-    return U_x

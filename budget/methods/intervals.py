@@ -58,13 +58,16 @@ def interval_of_trials(values: Sequence[Array], coverage: float, kind: str) -> A
     M = sum(map(len, values))
     q = min(max(int(M * coverage + 0.5), 1), M - 1)  # 7.7.1
     if kind != "symmetric":
-        low, high = _tails(values, M - q)
+        low, high = _sorted_tails(values, M - q)
         low, high = low[: M - q], high[q - M :]
         r = int(np.argmin(high - low))  # 7.7.4
         return np.array([low[r], high[r]])
     r = (M - q + 1) // 2 - 1  # 7.7.2, counted from 0
     low, high = _tails(values, max(r + 1, M - r - q))
-    return np.array([low[r], high[r + q - M]])
+    low.partition(r)  # alone is it in its place, which costs less than all in theirs
+    end = low[r]
+    high.partition(len(high) + r + q - M)
+    return np.array([end, high[r + q - M]])
 
 
 def sort_tails(values: Array, depth: NDArray[np.intp]) -> Array:
@@ -75,14 +78,14 @@ def sort_tails(values: Array, depth: NDArray[np.intp]) -> Array:
     """
     ordered = np.full_like(values, np.nan)
     for row, trials, n in zip(ordered, values, depth.tolist(), strict=True):
-        low, high = _tails([trials], n)
+        low, high = _sorted_tails([trials], n)
         row[: len(low)] = low
         row[row.size - len(high) :] = high
     return ordered
 
 
 def _tails(values: Sequence[Array], n: int) -> tuple[Array, Array]:
-    """Return n or more of the smallest and of the largest trials, both ascending.
+    """Return n or more of the smallest and of the largest trials, each in any order.
 
     They are cut off a little inside of where the ends of some of the trials are.
     """
@@ -90,14 +93,20 @@ def _tails(values: Sequence[Array], n: int) -> tuple[Array, Array]:
     some = np.sort(np.concatenate([each[:: max(M // SOME, 1)] for each in values]))
     inside = int(len(some) * (n / M)) + INSIDE
     if 2 * inside < len(some):
-        low = np.concatenate([each[each <= some[inside]] for each in values])
-        high = np.concatenate([each[each >= some[-1 - inside]] for each in values])
+        low = np.concatenate([each.compress(each <= some[inside]) for each in values])
+        high = np.concatenate(
+            [each.compress(each >= some[-1 - inside]) for each in values]
+        )
         if len(low) >= n and len(high) >= n:
-            low.sort()
-            high.sort()
             return low, high
-    ordered = np.sort(np.concatenate(values))
-    return ordered, ordered
+    every = np.concatenate(values)
+    return every, every
+
+
+def _sorted_tails(values: Sequence[Array], n: int) -> tuple[Array, Array]:
+    """Return the same, both ascending."""
+    low, high = _tails(values, n)
+    return np.sort(low), np.sort(high)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,7 +15,7 @@ from budget.distributions import COVERAGES, is_coverage
 from budget.errors import CallError, ProblemError
 from budget.methods.execution import (
     BLOCK,
-    draw,
+    batches,
     in_order,
     local_executor,
     small_blocks,
@@ -311,13 +311,14 @@ def _macro_blocks(
 def _macro_block(problem: Problem, plan: _Plan, task: _Task) -> MacroBlock:
     """Draw, evaluate and condense one macro-block."""
     y = np.empty((len(problem.outputs), task.trials))
-    x = np.empty((problem.n_inputs, BLOCK))
     moments: list[Moments] = []
-    for k, start in enumerate(range(0, task.trials, BLOCK)):
-        draw(problem, plan.seed, task.index * plan.blocks + k, x)
-        block = problem.evaluate(x)[:, : task.trials - start]
-        y[:, start : start + BLOCK] = block
-        moments.append(Moments.of(block))
+    first = task.index * plan.blocks
+    for at, values in batches(problem, plan.seed, block=first, trials=task.trials):
+        if at.stop - at.start < task.trials:
+            y[:, at] = values
+        else:
+            y = values
+        moments.append(Moments.of(values))
     total = reduce(add, moments)
     check_finite(total.deviations)
     settling = None
@@ -349,6 +350,7 @@ def _tolerance(gathering: Gathering, problem: Problem, digits: int) -> Array:
 
 
 ERROR_RATE = 0.05  # [1], of what adaptive trials are said to have settled to
+FAR = 0.5  # part of a mean square that a mean may have, as it is subtracted [1]
 HALVINGS = 12  # of the bracket around r, from above: to 1e-4 of it
 
 
@@ -364,8 +366,14 @@ class Moments:
     def of(cls, y: Array) -> Moments:
         """Return the moments of trials, shape (n_out, n)."""
         mean = y.mean(axis=1)
-        centred = y - mean[:, None]
-        return cls(n=y.shape[1], mean=mean, deviations=centred @ centred.T)
+        products = y @ y.T
+        squares, n = products.diagonal(), y.shape[1]
+        if (n * mean**2 <= FAR * squares).all():  # nothing cancels
+            deviations = products - n * np.outer(mean, mean)
+        else:
+            centred = y - mean[:, None]
+            deviations = centred @ centred.T
+        return cls(n=n, mean=mean, deviations=deviations)
 
     def __add__(self, other: Moments) -> Moments:
         """Return the moments of both together (pairwise update of a variance)."""

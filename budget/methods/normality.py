@@ -24,6 +24,7 @@ by how far their mean is from 0.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,7 @@ from budget.methods.execution import draw, small_blocks
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.distributions import Distribution
     from budget.methods.gum import Propagation
     from budget.problem import Problem
 
@@ -75,24 +77,34 @@ def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
     U = np.zeros((problem.n_inputs, problem.n_inputs))
     for group, rows in zip(problem.groups, problem.slices, strict=True):
         U[rows, rows] = group.covariance
-    excess = np.array(
-        [
-            abs(d.kurtosis - NORMAL.kurtosis)
-            for g in problem.groups
-            for d in g.distributions
-        ]
+    excess = np.concatenate(
+        [np.empty(0), *(_excess(group.distributions) for group in problem.groups)]
     )
+    # Rows of H U that are 0 take no part: of each output the others, as many of each.
+    is_there = law.H.any(axis=2)
+    most = int(is_there.sum(axis=1).max(initial=0))
+    bent = np.argsort(~is_there, axis=1, kind="stable")[:, :most]  # (n_out, most)
+    rows = np.arange(len(bent))[:, None]
     with small_blocks():
         # Over u first: cubes and fourth powers of 1e-8 rad/s leave few digits.
-        C, HU = law.C / u[:, None], law.H @ U / u[:, None, None]
-        CU = C @ U
-        once = (HU @ C[:, :, None])[:, :, 0]  # H U c
+        C, wide = law.C / u[:, None], law.H[rows, bent] @ U / u[:, None, None]
+        HU = wide[rows[:, :, None], np.arange(most)[:, None], bent[:, None, :]]
+        once = (wide @ C[:, :, None])[:, :, 0]  # H U c
         squared = HU @ HU
-        k3 = 3.0 * (CU * once).sum(axis=1) + np.einsum("kij,kji->k", squared, HU)
-        k4 = 12.0 * np.einsum("ki,ij,kj->k", once, U, once) + 3.0 * np.einsum(
+        k3 = 3.0 * ((C @ U)[rows, bent] * once).sum(axis=1) + np.einsum(
+            "kij,kji->k", squared, HU
+        )
+        among = U[bent[:, :, None], bent[:, None, :]]
+        k4 = 12.0 * np.einsum("ki,kij,kj->k", once, among, once) + 3.0 * np.einsum(
             "kij,kji->k", squared, squared
         )
     return np.abs(k3), np.abs(k4) + C**4 @ (np.diag(U) ** 2 * excess)
+
+
+@lru_cache(maxsize=256)
+def _excess(shapes: tuple[Distribution, ...]) -> Array:
+    """Return |excess kurtosis| of some inputs, shape (n,) [1]."""
+    return np.array([abs(one.kurtosis - NORMAL.kurtosis) for one in shapes])
 
 
 def _deviation(problem: Problem, law: Propagation) -> Array:
@@ -101,6 +113,9 @@ def _deviation(problem: Problem, law: Propagation) -> Array:
     with small_blocks():
         y = problem.evaluate(x)
         dx = x - problem.mean[:, None]
-        second = np.array([(dx * (H @ dx)).sum(axis=0) for H in law.H])
-        expanded = law.value[:, None] + law.C @ dx + 0.5 * second
+        expanded = law.value[:, None] + law.C @ dx
+        k, i = law.H.any(axis=2).nonzero()
+        bent = 0.5 * dx[i] * (law.H[k, i] @ dx)
+        of_output = (np.arange(len(expanded))[:, None] == k).astype(float)
+        expanded += of_output @ bent
     return np.asarray(np.abs(y - expanded).max(axis=1))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError, ProblemError
-from budget.methods.execution import BLOCK, draw, small_blocks
+from budget.methods.execution import BLOCK, batches, small_blocks
 from budget.methods.intervals import interval_of_trials
 
 if TYPE_CHECKING:
@@ -63,15 +63,14 @@ def first_trials(
     problem = problem.pooled
     rows = np.arange(len(problem.outputs)) if outputs is None else np.asarray(outputs)
     values = np.empty((rows.size, trials))
-    x = np.empty((problem.n_inputs, BLOCK))
     done = 0
     if known is not None:
         done = min(known.shape[1], trials) // BLOCK * BLOCK
         values[:, :done] = known[:, :done]
     with small_blocks():
-        for start in range(done, trials, BLOCK):
-            y = problem.evaluate(draw(problem, seed, start // BLOCK, x))[rows]
-            values[:, start : start + BLOCK] = y[:, : trials - start]
+        block, more = done // BLOCK, trials - done
+        for at, y in batches(problem, seed, block=block, trials=more):
+            values[:, done:][:, at] = y[rows]
     check_finite(values)
     return values
 

@@ -276,13 +276,6 @@ def _fit_all(members: Sequence[_Member], technology: str | None) -> list[Fit | N
     return [found.get(k) for k in range(len(members))]
 
 
-def predict_figures(
-    given: Sequence[LogLine], wanted: dict[Name, LogLine]
-) -> Prediction | None:
-    """Predict figures of one device from given ones; arguments as of `predict`."""
-    return Fit.of(given).predict(wanted) if given else None
-
-
 class Design:
     """Figures of one design, and what every fit takes of them.
 
@@ -337,10 +330,9 @@ class Fit:
     sigma_2: float
 
     @classmethod
-    def of(cls, given: Sequence[LogLine], *, near: Fit | None = None) -> Fit:
-        """Fit scale and weights to figures; soon, where one is `near` that of them."""
-        others = Others.of(given)
-        return others.fits([()], near=None if near is None else [near])[0]
+    def of(cls, given: Sequence[LogLine]) -> Fit:
+        """Fit scale and weights to figures."""
+        return Others.of(given).fits([()])[0]
 
     @property
     def trust(self) -> dict[str, float]:

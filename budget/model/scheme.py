@@ -247,13 +247,14 @@ class Scheme:
         if self.held is not None:
             epsilon = epsilon + self._from_held(self.held, truth)
         own = epsilon[[0, 1, 2], [0, 1, 2]]
-        whole = 1.0 + own
-        cross = epsilon[ROW, COLUMN] * SIGN[:, None]
-        pairs = (3, 2, -1)  # ROW is 0, 0, 1, 1, 2, 2
-        cross = cross.reshape(pairs) - truth.angle.reshape(pairs) * own[:, None]
-        angle = (cross / whole[:, None]).reshape(truth.angle.shape)
-        bias = (epsilon[:, BIAS] - truth.bias * own) / whole
-        higher = np.moveaxis(epsilon[:, STATISTICS:] / whole[:, None], 0, 1)
+        back = 1.0 / (1.0 + own)
+        angle = epsilon[ROW, COLUMN]
+        angle *= SIGN[:, None]
+        pairs = angle.reshape(3, 2, -1)  # ROW is 0, 0, 1, 1, 2, 2
+        pairs -= truth.angle.reshape(pairs.shape) * own[:, None]
+        pairs *= back[:, None]
+        bias = (epsilon[:, BIAS] - truth.bias * own) * back
+        higher = np.moveaxis(epsilon[:, STATISTICS:] * back[:, None], 0, 1)
         if self.rotated is not None:
             found = truth.angle + angle
             through = tilt(found, self.rotated)

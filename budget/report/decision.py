@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from budget.known import AT_LEAST
-from budget.report.comparison.tables import Request, bounds_of, print_bounds
+from budget.report.comparison.tables import Request, gather
 from budget.report.document import json_text
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
@@ -15,8 +15,7 @@ from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.report.blocks import Document, Section
-    from budget.results import Condition
-    from budget.studies.decide import Decision, Offer, Purchase
+    from budget.studies.decide import Decision, Purchase
 
 MOST_SHOWN = 8  # devices of a table: those after them are counted
 COMMAND = "budget decide"
@@ -45,19 +44,10 @@ def decision_document(
 
 def _asked(purchase: Purchase) -> list[Request]:
     """Gather whom to ask for the specification that decides, alike ones together."""
-    together: dict[Any, list[tuple[Offer, Condition]]] = {}
-    for offer, ask in purchase.open:
-        together.setdefault((offer.parts[0].vendor, ask.line), []).append((offer, ask))
-    return [
-        Request(
-            sensor=purchase.kind,
-            vendor=vendor,
-            lines=(line,),
-            names=[offer.name for offer, _ in own],
-            **bounds_of([ask for _, ask in own]),
-        )
-        for (vendor, line), own in together.items()
-    ]
+    return gather(
+        ((purchase.kind, offer.parts[0].vendor, (ask.line,)), offer)
+        for offer, ask in purchase.open
+    )
 
 
 def _view(found: Decision) -> dict[str, object]:
@@ -69,5 +59,4 @@ def _view(found: Decision) -> dict[str, object]:
         "AT_LEAST": AT_LEAST,
         "lines": standing_lines,
         "asked": _asked,
-        "bounds": print_bounds,
     }

@@ -5,12 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import json
+from collections.abc import Iterator, Mapping
+from json.encoder import encode_basestring as quoted
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from budget.documents import FORMS, document
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     from budget.results import Budget
 
@@ -28,7 +31,52 @@ def to_json(budget: Budget, extras: Mapping[str, Any] | None = None) -> str:
 
 def json_text(found: Mapping[str, Any]) -> str:
     """Write a document at full precision. Raises ValueError as to_json."""
-    return json.dumps(found, allow_nan=False, ensure_ascii=False, indent=1) + "\n"
+    return "".join(json_pieces(found))
+
+
+def json_pieces(found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the text of a document, of what an iterator gives one after another.
+
+    Thousands of devices as one nest of dicts, and as what that is encoded to, take ten
+    times the room of their text. Raises ValueError as to_json.
+    """
+    start = "{\n "
+    for key, value in found.items():
+        yield f"{start}{quoted(key)}: "
+        start = ",\n "
+        if not isinstance(value, Iterator):
+            yield _encoded(value, "\n ")
+            continue
+        empty = "[]"
+        for one in value:
+            yield ("[\n  " if empty else ",\n  ") + _encoded(one, "\n  ")
+            empty = ""
+        yield empty or "\n ]"
+    yield "\n}\n"
+
+
+def _encoded(value: Any, line: str) -> str:  # noqa: ANN401 - any part of a document
+    """Write a part of a document, its lines after `line`: as `json` does with indents.
+
+    That knows them in Python alone, at three times the time.
+    """
+    if isinstance(value, str):
+        return quoted(value)
+    if value is None or isinstance(value, bool | int):
+        return json.dumps(value)
+    if isinstance(value, float):
+        if not isfinite(value):
+            raise ValueError(f"{value!r} is no number that JSON has")
+        return float.__repr__(value)
+    deeper = f"{line} "
+    if isinstance(value, Mapping):
+        own = [f"{quoted(key)}: {_encoded(one, deeper)}" for key, one in value.items()]
+        first, last = "{}"
+    else:
+        own = [_encoded(one, deeper) for one in value]
+        first, last = "[]"
+    between = f",{deeper}"
+    return f"{first}{deeper}{between.join(own)}{line}{last}" if own else first + last
 
 
 def json_of(record: object, form: str) -> str:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
-from budget.known import Known
 from budget.names import LENGTHS, Name
 from budget.report.pages import blocks
 from budget.report.standing import outcome_words
@@ -81,7 +80,7 @@ class ErrorsAtTime:
         if row is None:
             return None
         value = getattr(row.radii, circle, 0.0) if circle else row.standard_uncertainty
-        return _in_unit(row.known(value), row, units[_like(row)])
+        return _in_unit(row.standard_uncertainty.like(value), row, units[_like(row)])
 
 
 def _like(row: OutputBudget) -> str:
@@ -153,8 +152,7 @@ def bought(budget: Budget, moments: Sequence[ErrorsAtTime]) -> Mapping[str, Any]
         (
             at,
             [
-                at.horizontal
-                and _in_unit(Known.of(one.cep[place], one.lacks), at.horizontal, unit)
+                at.horizontal and _in_unit(one.cep[place], at.horizontal, unit)
                 for one in tests
             ],
         )
@@ -258,7 +256,8 @@ def rate_per_hour(moments: Sequence[ErrorsAtTime]) -> tuple[float, Number] | Non
         row = at.horizontal
         if at.time >= HOUR and row is not None and row.radii is not None:
             rate = row.radii.cep / NAUTICAL_MILE / (at.time / HOUR)
-            return at.time, Number.of(row.known(rate), round_uncertainty(rate))
+            known = row.standard_uncertainty.like(rate)
+            return at.time, Number.of(known, round_uncertainty(rate))
     return None
 
 

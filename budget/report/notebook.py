@@ -6,13 +6,14 @@ import re
 import warnings
 from dataclasses import dataclass
 from datetime import datetime
+from functools import wraps
 from html import escape
 from importlib.util import find_spec
 from io import BytesIO, StringIO
 from itertools import repeat
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -28,7 +29,7 @@ from budget.report.analysis.build import report_document
 from budget.report.analysis.mission import way_with_errors
 from budget.report.analysis.verdict import headline
 from budget.report.blocks import Cell, Pairs, Paragraph, Run, Table
-from budget.report.comparison.document import to_csv as comparison_csv
+from budget.report.comparison.tables import to_csv as comparison_csv
 from budget.report.document import table_csv
 from budget.report.export import write_export
 from budget.report.figures.allan import Allan, allan_plot
@@ -87,6 +88,7 @@ if TYPE_CHECKING:
     from budget.results import JudgedOutput, Study
 
 T = TypeVar("T")
+P = ParamSpec("P")
 MOST = 10  # rows of a small table
 WARNINGS = 2  # below it, of a prompt
 LEAST_WIDTH, MOST_WIDTH = 60, 100  # of a prompt [columns]
@@ -121,13 +123,15 @@ def write_report(
             date=document_date(),
             number=number,
         )
-    write_all(render_pages(document, paths, paper=paper, warn=_warn))
+    write_all(
+        render_pages(
+            document,
+            paths,
+            paper=paper,
+            warn=lambda path, text: warnings.warn(f"{path}: {text}", stacklevel=4),
+        )
+    )
     return paths
-
-
-def _warn(path: Path, text: str) -> None:
-    """Say what a page lacks."""
-    warnings.warn(f"{path}: {text}", stacklevel=4)
 
 
 # ---- What a prompt and a notebook print of a result ----------------------------------
@@ -247,11 +251,6 @@ def _limits(budget: Budget) -> dict[Name, JudgedOutput]:
     return {} if found is None else {row.output.name: row for row in found.outputs}
 
 
-def _one_output(found: OutputBudget, _: object) -> dict[str, object]:
-    """Return the numbers of an output, rounded, and its unit in SI."""
-    return {"own": output_row(found), "si": si_unit(found.output.unit)}
-
-
 def _grown(found: Curve) -> list[tuple[object, ...]]:
     """Return rows of a curve at times that are spread over it evenly, the last too."""
     kept = np.unique(np.linspace(0, len(found.times) - 1, MOST).round().astype(int))
@@ -269,7 +268,11 @@ SHOWN: dict[type, Any] = {
         _matter,
         lambda found, _: {"limits": _limits(found), "many": len(found)},
     ),
-    OutputBudget: ("output", lambda found: found.ranked, _one_output),
+    OutputBudget: (
+        "output",
+        lambda found: found.ranked,
+        lambda found, _: {"own": output_row(found), "si": si_unit(found.output.unit)},
+    ),
     Curve: ("growth", _grown, lambda found, _: {"many": len(found.times)}),
     Device: (
         "device",
@@ -444,27 +447,36 @@ def _sheets(budget: Budget) -> Iterator[tuple[str, list[Sequence[object]]]]:
     yield "Notes", [("", budget.title), *notes]
 
 
-# Figures, and whether a budget has what each of them shows.
-DRAWN: dict[str, Callable[[Plots], bool]] = {
-    "allan": lambda own: not own.is_mission,
-    "contributions": lambda own: own.varies,
-    "correlation": lambda own: correlation_chart(own.budget) is not None,
-    "coupling": lambda own: own.varies and not own.is_mission,
-    "density": lambda own: own.varies,
-    "growth": lambda own: own.varies and own.is_mission,
-    "indices": lambda own: any(
-        part.sobol for row in own.budget.outputs for part in row.contributions
-    ),
-    "limits": lambda own: own.budget.assessment is not None,
-    "overview": lambda own: own.varies,
-    "positions": lambda own: not own.is_mission,
-    "schedule": lambda own: own.turns_and_dwells is not None,
-    "shares": lambda own: group_shares_chart(own.budget) is not None,
-    "track": lambda own: own.varies and own.is_mission and own.way is not None,
-    "tornado": lambda own: tornado_chart(own.critical()) is not None,
-    "validation": lambda own: any(row.validation for row in own.budget.outputs),
-    "waterfall": lambda own: waterfall_chart(own.critical()) is not None,
-}
+UNMOVED = "no two sources move that output"
+ERRORS = (*LENGTHS.items(), *SEEN)  # of a mission: quantity and axis
+
+
+def shows(
+    why: str, has: Callable[[Plots], object]
+) -> Callable[[Callable[P, Chart | Plot | None]], Callable[P, Figure]]:
+    """Make a figure of what a method of Plots lays out.
+
+    `why` says why there is none where it lays out nothing; `has` says of a budget
+    whether there is one, without laying it out where that takes long.
+    """
+
+    def figure_of(laid_out: Callable[P, Chart | Plot | None]) -> Callable[P, Figure]:
+        FIGURES[laid_out.__name__] = has
+
+        @wraps(laid_out)
+        def shown(*args: P.args, **kwargs: P.kwargs) -> Figure:
+            found, own = laid_out(*args, **kwargs), args[0]
+            if found is None:
+                raise CallError(f"nothing to draw: {why}")
+            drawn = draw(found) if isinstance(found, Chart) else found.figure
+            return headed(drawn, own.budget.title)  # type: ignore[attr-defined]
+
+        return shown
+
+    return figure_of
+
+
+FIGURES: dict[str, Callable[[Plots], object]] = {}  # those that there may be
 
 
 @dataclass(frozen=True, repr=False)
@@ -475,160 +487,11 @@ class Plots:
 
     def __dir__(self) -> list[str]:
         """Return the figures that this budget has: what a notebook completes."""
-        return [name for name, has in DRAWN.items() if has(self)]
+        return [name for name, has in sorted(FIGURES.items()) if has(self)]
 
     def __repr__(self) -> str:
         """List them."""
         return f"<figures: {', '.join(dir(self))}>"
-
-    def _shown(self, found: Chart | Plot | None, why: str = "") -> Figure:
-        """Return a figure under its finding and what it is of; say why there is none.
-
-        Raises
-        ------
-        CallError
-            There is none.
-        """
-        if found is None:
-            raise CallError(f"nothing to draw: {why}")
-        own = draw(found) if isinstance(found, Chart) else found.figure
-        return headed(own, self.budget.title)
-
-    def overview(self) -> Figure:
-        """Show U of every output."""
-        chart = overview_chart(group_tables(self.budget))
-        return self._shown(chart, "no output has a spread")
-
-    def limits(self) -> Figure:
-        """Show how much of its limit every required output uses."""
-        judged = self.budget.assessment
-        why = "the budget was not held against limits; give requirement= to analyze"
-        return self._shown(utilisation_chart(judged) if judged else None, why)
-
-    def contributions(self, group: str = "") -> Figure:
-        """Show what contributes to each output of a group, 'gyro.bias'.
-
-        Without a name it is the group that uses most of its limit or, where nothing is
-        required, the first.
-        """
-        return self._shown(share_chart(self._group(group)))
-
-    def shares(self) -> Figure:
-        """Show what the variance of each group of outputs is made of."""
-        why = "it has no two groups of outputs with a spread"
-        return self._shown(group_shares_chart(self.budget), why)
-
-    def tornado(self, group: str = "") -> Figure:
-        """Show how far each source alone moves the critical output of a group."""
-        chart = tornado_chart(self.critical(group))
-        return self._shown(chart, "no two sources move that output")
-
-    def waterfall(self, group: str = "") -> Figure:
-        """Show how the sources add up to U of the critical output of a group."""
-        chart = waterfall_chart(self.critical(group))
-        return self._shown(chart, "no two sources move that output")
-
-    def correlation(self) -> Figure:
-        """Show the correlation of all outputs that have one."""
-        chart = correlation_chart(self.budget)
-        return self._shown(chart, "no two outputs are correlated")
-
-    def coupling(self, sensor: str = "") -> Figure:
-        """Show which source reaches which parameters of a sensor, the first without."""
-        sensor, table = self._sensor(sensor), coupling(question_of(self.budget))
-        chart = coupling_chart(table, sensor)
-        return self._shown(chart, f"no source affects the {sensor}")
-
-    def schedule(self) -> Figure:
-        """Show turns and dwells of the test, to scale."""
-        why = "there is no calibration, or it has no windows"
-        return self._shown(self.turns_and_dwells, why)
-
-    def positions(self) -> Figure:
-        """Show the positions of the calibration: which axis is up, and which turns."""
-        own = question_of(self.budget)
-        found = Positions.of(own.procedure, [sensor.kind for sensor in own.sensors])
-        plot = positions_plot(found) if found else None
-        return self._shown(plot, "the calibration has no positions")
-
-    def allan(self, sensor: str = "") -> Figure:
-        """Show the noise of a sensor's data sheet by averaging time, the first without.
-
-        With the windows that the calibration averages.
-        """
-        own = question_of(self.budget)
-        triads = {one.kind: one for one in own.sensors}
-        triad = _choice(triads, sensor or next(iter(triads)))
-        found = Allan.of(triad, own.procedure)
-        why = f"no specification of the {triad.kind} is noise"
-        return self._shown(allan_plot(found) if found else None, why)
-
-    def growth(self, error: str = "position.horizontal") -> Figure:
-        """Show an error of a mission over time, its limits, and what makes it when.
-
-        'position.horizontal', 'velocity.down', 'attitude.heading'.
-        """
-        known = {
-            str(Name(quantity, axis=axis)): (quantity, axis)
-            for quantity, axis in (*LENGTHS.items(), *SEEN)
-        }
-        found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
-        judged = self.budget.assessment
-        limits = judged.outputs if judged else ()
-        plot = growth_plot(found, limits) if found else None
-        return self._shown(plot, "nothing moves that error")
-
-    def track(self) -> Figure:
-        """Show the track of a mission from above, with ellipses of its errors."""
-        why = "the position has no covariance at the times that are asked for"
-        return self._shown(track_plot(self.way) if self.way else None, why)
-
-    def validation(self, sensor: str = "") -> Figure:
-        """Show the law against Monte Carlo, of a sensor, the first without."""
-        why = (
-            "GUM propagation was not validated; analyze with validate=True and "
-            "method='gum'"
-        )
-        return self._shown(validity_chart(self.budget, self._sensor(sensor)), why)
-
-    def indices(self, sensor: str = "") -> Figure:
-        """Show Sobol' indices, of a sensor, the first without."""
-        why = "there are no Sobol' indices; analyze with samples=2048"
-        return self._shown(sobol_chart(self.budget, self._sensor(sensor)), why)
-
-    def density(self, output: str = "") -> Figure:
-        """Show how the error of a critical output is distributed, the first without.
-
-        Of each group that is the output that uses most of its limit or, where nothing
-        is required, has the largest spread.
-        """
-        budget = self.budget
-        found = {
-            str(one.output.name): one
-            for one in critical_densities(
-                question_of(budget), budget, budget.assessment
-            )
-        }
-        density = _choice(found, output or next(iter(found), ""))
-        return self._shown(density_plot(density, coverage=budget.settings.coverage))
-
-    def _group(self, group: str) -> GroupTable:
-        """Return the group of that name; see `contributions` for which without."""
-        groups = group_tables(self.budget)
-        tables = {str(Name(g.parameter, owner=g.sensor)): g for g in groups}
-        assessment = self.budget.assessment
-        if not group and assessment is not None and assessment.outputs:
-            group = str(worst_of(assessment.outputs).output.name.group)
-        return _choice(tables, group or next(iter(tables)))
-
-    def critical(self, group: str = "") -> Critical:
-        """Return the output of a group that uses most of its limit, or is widest."""
-        return Critical.of(self._group(group), self.budget.assessment)
-
-    def _sensor(self, sensor: str) -> str:
-        """Return the sensor that is asked for, the first of the budget without."""
-        there = {row.sensor: row.sensor for row in self.budget.outputs}
-        return _choice(there, sensor or next(iter(there)))
 
     @property
     def is_mission(self) -> bool:
@@ -639,6 +502,161 @@ class Plots:
     def varies(self) -> bool:
         """Whether any output has a spread."""
         return any(row.is_resolved for row in self.budget.outputs)
+
+    @shows("no output has a spread", has=lambda own: own.varies)
+    def overview(self) -> Chart | None:
+        """Show U of every output."""
+        return overview_chart(group_tables(self.budget))
+
+    @shows(
+        "the budget was not held against limits; give requirement= to analyze",
+        has=lambda own: own.budget.assessment,
+    )
+    def limits(self) -> Chart | None:
+        """Show how much of its limit every required output uses."""
+        judged = self.budget.assessment
+        return utilisation_chart(judged) if judged else None
+
+    @shows("", has=lambda own: own.varies)
+    def contributions(self, group: str = "") -> Chart:
+        """Show what contributes to each output of a group, 'gyro.bias'.
+
+        Without a name it is the group that uses most of its limit or, where nothing is
+        required, the first.
+        """
+        return share_chart(self._group(group))
+
+    @shows(
+        "it has no two groups of outputs with a spread",
+        has=lambda own: group_shares_chart(own.budget),
+    )
+    def shares(self) -> Chart | None:
+        """Show what the variance of each group of outputs is made of."""
+        return group_shares_chart(self.budget)
+
+    @shows(UNMOVED, has=lambda own: tornado_chart(own.critical()))
+    def tornado(self, group: str = "") -> Chart | None:
+        """Show how far each source alone moves the critical output of a group."""
+        return tornado_chart(self.critical(group))
+
+    @shows(UNMOVED, has=lambda own: waterfall_chart(own.critical()))
+    def waterfall(self, group: str = "") -> Chart | None:
+        """Show how the sources add up to U of the critical output of a group."""
+        return waterfall_chart(self.critical(group))
+
+    @shows(
+        "no two outputs are correlated", has=lambda own: correlation_chart(own.budget)
+    )
+    def correlation(self) -> Chart | None:
+        """Show the correlation of all outputs that have one."""
+        return correlation_chart(self.budget)
+
+    @shows(
+        "no source affects that sensor",
+        has=lambda own: own.varies and not own.is_mission,
+    )
+    def coupling(self, sensor: str = "") -> Chart | None:
+        """Show which source reaches which parameters of a sensor, the first without."""
+        sensor = self._sensor(sensor)
+        return coupling_chart(coupling(question_of(self.budget)), sensor)
+
+    @shows(
+        "there is no calibration, or it has no windows",
+        has=lambda own: own.turns_and_dwells,
+    )
+    def schedule(self) -> Chart | None:
+        """Show turns and dwells of the test, to scale."""
+        return self.turns_and_dwells
+
+    @shows("the calibration has no positions", has=lambda own: not own.is_mission)
+    def positions(self) -> Plot | None:
+        """Show the positions of the calibration: which axis is up, and which turns."""
+        own = question_of(self.budget)
+        found = Positions.of(own.procedure, [sensor.kind for sensor in own.sensors])
+        return positions_plot(found) if found else None
+
+    @shows(
+        "no specification of that sensor is noise", has=lambda own: not own.is_mission
+    )
+    def allan(self, sensor: str = "") -> Plot | None:
+        """Show the noise of a sensor's data sheet by averaging time, the first without.
+
+        With the windows that the calibration averages.
+        """
+        own = question_of(self.budget)
+        triads = {one.kind: one for one in own.sensors}
+        triad = _choice(triads, sensor or next(iter(triads)))
+        found = Allan.of(triad, own.procedure)
+        return allan_plot(found) if found else None
+
+    @shows("nothing moves that error", has=lambda own: own.varies and own.is_mission)
+    def growth(self, error: str = "position.horizontal") -> Plot | None:
+        """Show an error of a mission over time, its limits, and what makes it when.
+
+        'position.horizontal', 'velocity.down', 'attitude.heading'.
+        """
+        known = {str(Name(one, axis=axis)): (one, axis) for one, axis in ERRORS}
+        found = ErrorGrowth.of(_curve(self.budget), _choice(known, error))
+        judged = self.budget.assessment
+        return growth_plot(found, judged.outputs if judged else ()) if found else None
+
+    @shows(
+        "the position has no covariance at the times that are asked for",
+        has=lambda own: own.varies and own.is_mission and own.way,
+    )
+    def track(self) -> Plot | None:
+        """Show the track of a mission from above, with ellipses of its errors."""
+        return track_plot(self.way) if self.way else None
+
+    @shows(
+        "GUM propagation was not validated; analyze with validate=True and "
+        "method='gum'",
+        has=lambda own: any(row.validation for row in own.budget.outputs),
+    )
+    def validation(self, sensor: str = "") -> Chart | None:
+        """Show the law against Monte Carlo, of a sensor, the first without."""
+        return validity_chart(self.budget, self._sensor(sensor))
+
+    @shows(
+        "there are no Sobol' indices; analyze with samples=2048",
+        has=lambda own: any(
+            part.sobol for row in own.budget.outputs for part in row.contributions
+        ),
+    )
+    def indices(self, sensor: str = "") -> Chart | None:
+        """Show Sobol' indices, of a sensor, the first without."""
+        return sobol_chart(self.budget, self._sensor(sensor))
+
+    @shows("", has=lambda own: own.varies)
+    def density(self, output: str = "") -> Plot:
+        """Show how the error of a critical output is distributed, the first without.
+
+        Of each group that is the output that uses most of its limit or, where nothing
+        is required, has the largest spread.
+        """
+        own = self.budget
+        every = critical_densities(question_of(own), own, own.assessment)
+        found = {str(one.output.name): one for one in every}
+        density = _choice(found, output or next(iter(found), ""))
+        return density_plot(density, coverage=own.settings.coverage)
+
+    def critical(self, group: str = "") -> Critical:
+        """Return the output of a group that uses most of its limit, or is widest."""
+        return Critical.of(self._group(group), self.budget.assessment)
+
+    def _group(self, group: str) -> GroupTable:
+        """Return the group of that name; see `contributions` for which without."""
+        groups = group_tables(self.budget)
+        tables = {str(Name(g.parameter, owner=g.sensor)): g for g in groups}
+        judged = self.budget.assessment
+        if not group and judged is not None and judged.outputs:
+            group = str(worst_of(judged.outputs).output.name.group)
+        return _choice(tables, group or next(iter(tables)))
+
+    def _sensor(self, sensor: str) -> str:
+        """Return the sensor that is asked for, the first of the budget without."""
+        there = {row.sensor: row.sensor for row in self.budget.outputs}
+        return _choice(there, sensor or next(iter(there)))
 
     @property
     def way(self) -> Way | None:

@@ -14,6 +14,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from budget.documents import BY_TYPE, FORMS, SCHEMA, Form, FormRow
 from budget.inputs.schema import DIALECT
+from budget.known import Known
 from budget.names import Name
 from budget.navigation.route import Outline
 from budget.results import Budget
@@ -65,7 +66,7 @@ class Schema:
     def __init__(self) -> None:
         self.entries: dict[str, Node] = {}
         # What records name in annotations and import for type checkers alone, and rows.
-        known = (Name, Outline, SourceSteps, *LISTS, *MAPPINGS)
+        known = (Known, Name, Outline, SourceSteps, *LISTS, *MAPPINGS)
         records = (one.record for one in FORMS.values())
         self.known: Node = {one.__name__: one for one in (*known, *records)}
         self.known["Literal"] = Literal

@@ -145,11 +145,12 @@ def station_yaml(found: Qualification) -> str:
 
     What may be any value is left out.
     """
-    timing = found.procedure.timing
-    given = given_lines((), found.procedure)
+    timing = found.question.procedure.timing
+    given = given_lines((), found.question.procedure)
+    wanted = found.question.requirement.name
     tree: dict[str, object] = {
         "format": "budget-station/1",
-        "name": f"station for {found.requirement} at {print_ratio(found.ratio)}"[:200],
+        "name": f"station for {wanted} at {print_ratio(found.ratio)}"[:200],
     }
     for owner in (STATION, ENVIRONMENT):
         for one in found.figures:

@@ -630,25 +630,26 @@ def _group_table(
 
 def output_row(row: OutputBudget) -> OutputRow:
     """Round one output, everything to the last digit of its standard uncertainty."""
+    u = row.standard_uncertainty
 
     def value(x: float) -> Number:
-        return round_error(x, row.standard_uncertainty, row.output)
+        return round_error(x, u, row.output)
 
     low, high = row.interval
     return OutputRow(
         axis=axis_title(row.output.name),
-        mean=value(row.known(row.mean) if row.is_unknown else row.mean),
-        u=round_u(row.u, row.output),
-        expanded=value(row.known((high - low) / 2.0)),
-        low=value(row.known(low).falling),
-        high=value(row.known(high)),
+        mean=value(u.like(row.mean) if u.is_unknown else row.mean),
+        u=round_u(u, row.output),
+        expanded=value(u.like((high - low) / 2.0)),
+        low=value(u.like(low).falling),
+        high=value(u.like(high)),
         check="" if row.validation is None else row.validation.word,
         k=_coverage_factor(row),
-        law_k=None if row.is_unknown else row.law_factor,
+        law_k=None if u.is_unknown else row.law_factor,
         degrees_of_freedom=print_degrees_of_freedom(row.degrees_of_freedom),
         by="" if row.interval_by == BY_LAW else row.interval_by,
         u_by="" if row.u_by == BY_LAW else row.u_by,
-        lacks=tuple(source_title(name, of=row.sensor) for name in row.lacks),
+        lacks=tuple(source_title(name, of=row.sensor) for name in u.why),
     )
 
 
@@ -683,12 +684,13 @@ def _source_cell(
     """Round what one source does to one output; zeros where it is not in the list."""
     part = next(
         (p for p in row.contributions if p.source == source),
-        Contribution(source=source, standard_uncertainty=0.0, share=0.0),
+        Contribution(source=source, standard_uncertainty=Known(0.0), share=0.0),
     )
-    acts = row.is_resolved and part.standard_uncertainty > row.output.resolution
+    u = float(part.standard_uncertainty)
+    acts = row.is_resolved and u > row.output.resolution
     share = part.share if acts else 0.0
     cell = SourceCell(
-        u=round_u(part.standard_uncertainty, row.output),
+        u=round_u(u, row.output),
         share=Number(text=print_share(share), exact=share),
     )
     if not quantity or part.linear is None:

@@ -12,6 +12,7 @@ from budget.calibration.derived import combination
 from budget.calibration.schemes import estimated
 from budget.calibration.simulation import simulate
 from budget.errors import CallError
+from budget.known import Known
 from budget.methods.execution import BLOCK, draw, small_blocks
 from budget.methods.intervals import interval_of_values
 from budget.methods.monte_carlo import (
@@ -45,7 +46,7 @@ from budget.results import (
     Radii,
     SobolIndex,
     Validation,
-    input_files,
+    u_known,
 )
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking, check
@@ -53,13 +54,14 @@ from budget.studies import blunders, cautions
 from budget.studies.compensation import compensations
 from budget.studies.conformity import assess, open_to
 from budget.studies.doubt import ONE_SIGMA, Mixture
+from budget.studies.envelope import envelope
 from budget.studies.input_quantities import input_quantities, sensitivities
 from budget.studies.judgement import intervals_of
 from budget.studies.mission import bought, filtered, too_sure
 from budget.studies.readings import effects
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     from numpy.typing import NDArray
 
@@ -136,8 +138,8 @@ def analyze_as(
         settings, coverage=question.coverage, reference=question.reference
     )
     check("analyze", settings, engine)
-    devices, procedure, sensors = question.devices, question.procedure, question.sensors
-    requirement, mission = question.requirement, question.mission
+    procedure, sensors = question.procedure, question.sensors
+    requirement = question.requirement
     of_test = question.journey is None
     if settings.matrices and not of_test:
         raise CallError(
@@ -145,13 +147,6 @@ def analyze_as(
             "which has neither; leave --outputs and --matrices out"
         )
     chosen, warnings = question.only, cautions.asked_alone(question)
-    if of_test:
-        warnings = (
-            *cautions.not_on_a_mission(requirement, mission),
-            *cautions.not_calibrated(devices, procedure),
-            *cautions.not_estimated(devices, procedure, requirement),
-            *warnings,
-        )
     problem, law = question.problem, question.law
     if engine.talk is not None:
         for text in _costs(problem, settings, engine.workers):
@@ -159,7 +154,6 @@ def analyze_as(
     warnings += cautions.options_without_effect(
         settings.method, trials=settings.trials, interval=settings.interval
     )
-    warnings += cautions.age_that_counts_not(procedure, settings.reference)
     if chosen is None:
         warnings += cautions.unknown_zeros(problem, law)
     warnings += cautions.beyond_first_order(problem, law)
@@ -192,40 +186,29 @@ def analyze_as(
         matrices, absent = compensations(question)
         warnings += absent
     is_simulated = settings.method == "simulation"
+    settings = replace(
+        settings,
+        trials=estimate.trials,
+        formulas=procedure.formulas,
+        normals_per_trial=None if is_simulated else problem.normals_per_trial,
+        only=tuple(sorted(chosen or ())),
+        outputs=question.asked or (),
+        samples=None if indices is None else indices.samples,
+        sobol_scrambles=None if indices is None else indices.scrambles,
+    )
+    assumed = (
+        *(() if of_test else cautions.left_behind(sensors, procedure)),
+        *cautions.shared_constants(sensors, procedure, settings.reference),
+        *estimate.assumptions,
+    )
     budget = Budget(
+        **envelope(question, settings, assumed=assumed, warned=warnings),
         command=command,
-        title=" + ".join(device.name for device in devices),
-        inputs=input_files(
-            devices, procedure=procedure, mission=mission, requirement=requirement
-        ),
-        settings=replace(
-            settings,
-            trials=estimate.trials,
-            formulas=procedure.formulas,
-            normals_per_trial=None if is_simulated else problem.normals_per_trial,
-            only=tuple(sorted(chosen or ())),
-            outputs=question.asked or (),
-            samples=None if indices is None else indices.samples,
-            sobol_scrambles=None if indices is None else indices.scrambles,
-        ),
         outputs=tuple(
             _as_given(row, settings.coverage)
-            for row in _output_budgets(
-                question, estimate, indices=indices, lacks=question.lacks
-            )
+            for row in _output_budgets(question, estimate, indices=indices)
         ),
         covariance=estimate.covariance,
-        not_given=tuple(name for sensor in sensors for name in sensor.not_given),
-        assumptions=(
-            *(text for device in devices for text in device.assumptions),
-            *procedure.assumptions,
-            *(() if mission is None else mission.assumptions),
-            *(() if of_test else cautions.left_behind(sensors, procedure)),
-            *cautions.not_weighted(sensors, procedure),
-            *cautions.shared_constants(sensors, procedure, settings.reference),
-            *estimate.assumptions,
-        ),
-        warnings=warnings,
         could_widen=could_widen(
             sensors,
             procedure,
@@ -239,7 +222,6 @@ def analyze_as(
         readings=effects(question) if chosen is None and of_test else (),
         mission=question.journey,
         filter=found_out,
-        question=question,
     )
     budget = budget if requirement is None else _judge(budget, requirement)
     return replace(
@@ -260,14 +242,7 @@ def _by_law(question: Question, settings: Settings, engine: Engine) -> MethodEst
     limits are judged; what has a limit is judged later.
     """
     problem, law, coverage = question.problem, question.law, settings.coverage
-    wanted = question.requirement
-    found = intervals_of(
-        problem,
-        law,
-        coverage=coverage,
-        seed=settings.seed,
-        besides=() if wanted is None else wanted.outputs,
-    )
+    found = intervals_of(question, seed=settings.seed)
     estimate = MethodEstimate(
         method=BY_LAW,
         trials=None,
@@ -497,10 +472,9 @@ def _output_budgets(
     estimate: MethodEstimate,
     *,
     indices: SobolResult | None,
-    lacks: Mapping[Name, tuple[Name, ...]],
 ) -> tuple[OutputBudget, ...]:
     """Put the estimate and the law's contributions together, output by output."""
-    problem, law = question.problem, question.law
+    problem, law, lacks = question.problem, question.law, question.lacks
     names = [group.name for group in problem.groups]
     radii = _radii(problem, estimate)
     c = sensitivities(question)
@@ -529,7 +503,7 @@ def _output_budgets(
             OutputBudget(
                 output=output,
                 mean=float(estimate.mean[k]),
-                standard_uncertainty=float(u[k]),
+                standard_uncertainty=u_known(output, u[k], lacks[output.name]),
                 interval=(
                     float(estimate.interval[k, 0]),
                     float(estimate.interval[k, 1]),
@@ -537,9 +511,11 @@ def _output_budgets(
                 contributions=tuple(
                     Contribution(
                         source=name,
-                        standard_uncertainty=float(np.sqrt(max(variance, 0.0))),
+                        standard_uncertainty=Known.of(
+                            float(np.sqrt(max(variance, 0.0))),
+                            lacks[output.name] if name == INTERACTION else (),
+                        ),
                         share=float(variance) / total if total > 0.0 else 0.0,
-                        lower_bound=name == INTERACTION and bool(lacks[output.name]),
                         sobol=_sobol_index(indices, name, k),
                         u_input=float(c[name].u_input[k]) if name in c else None,
                         sensitivity=float(c[name].c[k]) if name in c else None,
@@ -554,7 +530,6 @@ def _output_budgets(
                 law_factor=float(factor[k]),
                 validation=estimate.validations[k],
                 radii=radii.get(output.name),
-                lacks=lacks[output.name],
                 degrees_of_freedom=float(law.degrees_of_freedom[k])
                 if is_known and estimate.method == BY_LAW
                 else None,

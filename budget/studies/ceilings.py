@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.inputs.records import Device, ErrorLine
+    from budget.question import Question
 
 BY_DEVICES, BY_PREDICTION, BY_NATURE = ORIGINS = (
     "comparable devices",
@@ -166,6 +167,18 @@ def ceilings(
             ),
         )
     return found
+
+
+def ceilings_of(question: Question, names: Sequence[Name]) -> dict[Name, Ceiling]:
+    """Return those of lines that a question's data sheets do not give."""
+    return {
+        name: one
+        for device in question.sheets or question.devices
+        for own in [{sensor.kind for sensor in device.sensors}]
+        for name, one in ceilings(
+            device, [name for name in names if name.owner in own], question.catalogue
+        ).items()
+    }
 
 
 def at_most(name: Name) -> float:

@@ -111,16 +111,19 @@ def compensations(
         parameters = replace(question.alone(kind), requirement=None).problem
         invert = inversion_of(sensor, parameters)
         problem = parameters.then(invert, outputs_of(sensor, parameters))
-        lacks = [
+        angles = [n for n in needed if n.quantity == "mounting_angle"]
+        of_bias, of_angles = (
             tuple(dict.fromkeys(line for name in own for line in question.lacks[name]))
-            for own in (needed, [n for n in needed if n.quantity == "mounting_angle"])
-        ]
+            for own in (needed, angles)
+        )
         found[kind] = Compensation(
             sensor=kind,
             outputs=problem.outputs,
             value=invert(np.zeros((len(known), 1)))[:, 0],
             covariance=propagate(problem).covariance,
-            bias_lacks=lacks[0],
-            lacks=lacks[1],
+            lacks=tuple(
+                of_angles if one.name.quantity == "T" else of_bias
+                for one in problem.outputs
+            ),
         )
     return found, tuple(absent)

@@ -12,7 +12,7 @@ from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
 from budget.question import question_of
 from budget.results import Assessment, CapAssessment
-from budget.studies.ceilings import ceilings
+from budget.studies.ceilings import ceilings_of
 from budget.studies.figures_of_merit import over_cap, read_amount
 from budget.studies.judgement import (
     MAX_TRIALS,
@@ -21,8 +21,9 @@ from budget.studies.judgement import (
     screen,
     together,
 )
+from budget.studies.margin import Margin
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import Margin, verdict_on
+from budget.studies.verdicts import verdict_on
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -104,7 +105,6 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
         prediction = own.filled.prediction
         judged = judge(
             held,
-            own.law,
             seed=seed,
             # What missing lines leave open, no trial decides.
             max_trials=TRIALS if prediction else MAX_TRIALS,
@@ -157,7 +157,7 @@ def margins(question: Question) -> Iterator[tuple[Question, Margin]]:
         own = question.alone(owner)
         if own.held is None or not own.has_lines:
             continue
-        judged = screen(own.held, own.law, seed=0)
+        judged = screen(own.held, seed=0)
         yield own, Margin.of(own, judged, seed=0)
 
 
@@ -171,14 +171,7 @@ def open_to(
     """
     spared = {one.sensor: one.negligible for one in assessment.sensors}
     names = tuple(dict.fromkeys(name for own in spared.values() for name in own))
-    tops = {
-        name: one.line
-        for device in question.devices
-        for own in [{sensor.kind for sensor in device.sensors}]
-        for name, one in ceilings(
-            device, [name for name in names if name.owner in own], question.catalogue
-        ).items()
-    }
+    tops = {name: one.line for name, one in ceilings_of(question, names).items()}
     if not tops:
         return question.lacks
     whole = replace(question.with_lines(tops), designed=None)

@@ -3,119 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import reduce
+from itertools import compress
 from math import inf
 from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
 from budget.inputs import load_procedure, load_requirement
-from budget.inputs.load import UNTESTED, load_devices, several
+from budget.inputs.load import load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
 from budget.names import IMU, MISSION
-from budget.results import VERDICTS, Study, Verdict
+from budget.results import VERDICTS, Study
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
-from budget.studies.comparison.ranking import as_one, place_of
-from budget.studies.comparison.records import NUMBERED
+from budget.studies.comparison.ranking import as_one, by_device, place_of
+from budget.studies.comparison.records import NUMBERED, Unit
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
-from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Procedure, Requirement
     from budget.results import Condition
     from budget.settings import Settings
     from budget.studies.allocation.records import Recalibration
-    from budget.studies.comparison.records import Comparison, Entrant
+    from budget.studies.comparison.records import Comparison
     from budget.studies.stations import StationVerdict
-
-
-@written(
-    "offer",
-    """
-    name
-    file
-    after = calibration: the procedure, or the maker's
-    verdict: the gravest of all that is limited of it
-    utilisation [1]: the largest part of a limit; null where nothing is known
-    lower_bound = is_bound: whether the utilisation is this or more
-    worst_outputs = worst.worst_outputs or null: that use most of their limits
-    limiting_source = worst.remedy.source: with the largest share there
-    price
-    mass
-    power
-    *standing as verdict not in CSV
-    """,
-)
-@dataclass(frozen=True, kw_only=True)
-class Offer(Documented):
-    """One device after one calibration, with all that the requirement limits of it."""
-
-    name: str
-    file: str
-    calibration: str  # the name of the procedure, or of the maker's
-    order: int  # of the calibration: 0 is the maker's, where it is among them
-    parts: tuple[Entrant, ...]  # both triads, what belongs to both, the mission
-    standing: Verdict  # of all parts, as `compare` puts them together
-
-    @property
-    def verdict(self) -> str:
-        """One of verdicts.VERDICTS, the gravest of its parts."""
-        return self.standing.verdict
-
-    @property
-    def is_as_made(self) -> bool:
-        """Whether it is used as its maker calibrated it: no test is needed."""
-        return self.calibration == UNTESTED[FACTORY]
-
-    @property
-    def price(self) -> str:
-        """What it costs, as its file has it."""
-        return self.parts[0].price
-
-    @property
-    def mass(self) -> str:
-        """What it weighs, as its file has it."""
-        return self.parts[0].mass
-
-    @property
-    def power(self) -> str:
-        """What it draws, as its file has it."""
-        return self.parts[0].power
-
-    @property
-    def judged(self) -> tuple[Entrant, ...]:
-        """Its parts; () where nothing is known of one."""
-        return self.parts if all(one.is_judged for one in self.parts) else ()
-
-    @property
-    def worst(self) -> Entrant | None:
-        """The part that uses most of its limits; None: nothing is known of one."""
-        return max(self.judged, key=lambda one: settle(one.utilisation), default=None)
-
-    @property
-    def utilisation(self) -> float | None:
-        """The largest part of a limit that is used [1]; None: it is not known."""
-        return None if self.worst is None else self.worst.utilisation
-
-    @property
-    def is_bound(self) -> bool:
-        """Whether the utilisation is that or more."""
-        return any(one.utilisation.is_bound for one in self.parts)
-
-    @property
-    def place(self) -> tuple[float, ...]:
-        """What it is chosen by, less is better: verdict, calibration, as `compare`."""
-        if not self.judged:
-            return VERDICTS.index(self.verdict), self.order, 0.0, inf
-        verdict, *rest = place_of(self.judged, self.standing)
-        return verdict, self.order, *rest
 
 
 @written(
@@ -123,8 +40,8 @@ class Offer(Documented):
     """
     kind: 'device', or the sensor
     chosen = chosen.name: null where nothing meets, on conditions at least
-    calibration = chosen.calibration
-    offers: each device after each calibration, best first
+    calibration = chosen.procedure
+    offers as offer: each device after each calibration, best first
     stations: for the test of what is chosen
     recalibrations: with the lines as they are
     is_aged: whether the sheet of what is chosen says what age does
@@ -137,7 +54,7 @@ class Purchase(Documented):
     """What to buy of one kind: a whole unit, or one triad where units have one."""
 
     kind: str  # 'device', or the sensor
-    offers: tuple[Offer, ...]  # best first, a device once after each calibration
+    offers: tuple[Unit, ...]  # best first, a device once after each calibration
     # Of the chosen one: stations for its test, () where it needs none or it is not
     # known which; and how old its calibration may become.
     stations: tuple[StationVerdict, ...] = ()
@@ -147,15 +64,15 @@ class Purchase(Documented):
     unjudged: tuple[str, ...] = ()  # sensors whose limits are judged of no device
 
     @property
-    def best(self) -> tuple[Offer, ...]:
+    def best(self) -> tuple[Unit, ...]:
         """Of each device what it does after the calibration that serves it best."""
-        found: dict[tuple[str, str], Offer] = {}
+        found: dict[tuple[str, str], Unit] = {}
         for one in self.offers:
-            found.setdefault((one.name, one.file), one)
+            found.setdefault(_file_of(one), one)
         return tuple(found.values())
 
     @property
-    def chosen(self) -> Offer | None:
+    def chosen(self) -> Unit | None:
         """The one to buy; None where none meets, on conditions at least.
 
         Or where a limit of the requirement is judged of none.
@@ -165,33 +82,34 @@ class Purchase(Documented):
         return first if is_met else None
 
     @property
-    def meeting(self) -> tuple[Offer, ...]:
+    def meeting(self) -> tuple[Unit, ...]:
         """All devices that meet, or meet on conditions."""
         return tuple(one for one in self.best if one.verdict in NUMBERED)
 
     @property
-    def open(self) -> tuple[tuple[Offer, Condition], ...]:
+    def open(self) -> tuple[tuple[Unit, Condition], ...]:
         """Devices that cannot be judged, with the line to ask their makers for."""
         return tuple(
-            (one, one.standing.asks[0])
+            (one, one.asks[0])
             for one in self.best
-            if one.verdict not in {*NUMBERED, FAILS} and one.standing.asks
+            if one.verdict not in {*NUMBERED, FAILS} and one.asks
         )
 
     @property
-    def failing(self) -> tuple[Offer, ...]:
+    def failing(self) -> tuple[Unit, ...]:
         """Devices that fail after every calibration."""
         return tuple(one for one in self.best if one.verdict == FAILS)
 
     @property
-    def of_chosen(self) -> tuple[Offer, ...]:
+    def of_chosen(self) -> tuple[Unit, ...]:
         """The chosen device, or the nearest one, after each calibration."""
-        first = self.offers[0]
-        return tuple(
-            one
-            for one in self.offers
-            if (one.name, one.file) == (first.name, first.file)
-        )
+        first = _file_of(self.offers[0])
+        return tuple(one for one in self.offers if _file_of(one) == first)
+
+
+def _file_of(one: Unit) -> tuple[str, str]:
+    """Return the device that a unit is, and its file."""
+    return one.name, one.parts[0].file
 
 
 @written(
@@ -227,7 +145,7 @@ class Decision(Study):
         return all(one.chosen for one in self.purchases)
 
     @property
-    def offers(self) -> tuple[Offer, ...]:
+    def offers(self) -> tuple[Unit, ...]:
         """Each device after each calibration, best first within its kind."""
         return tuple(offer for one in self.purchases for offer in one.offers)
 
@@ -315,7 +233,7 @@ def decide(
         return replace(own, recalibrations=kept)
 
     is_shared = any(one.output.owner == IMU for one in wanted.limits)
-    purchases = [further(one) for one in _purchases(found, is_shared=is_shared)]
+    purchases = [*map(further, _purchases(found, is_shared=is_shared))]
     first = found[0]
     return Decision(
         requirement=wanted.name,
@@ -330,21 +248,15 @@ def decide(
     )
 
 
-def offers_of(comparison: Comparison) -> tuple[Offer, ...]:
+def offers_of(comparison: Comparison) -> tuple[Unit, ...]:
     """Return a comparison device by device, best first under each procedure."""
-    units: dict[tuple[int, int], list[Entrant]] = {}
-    for one in comparison.entrants:
-        order = comparison.procedures.index(one.procedure)
-        units.setdefault((order, one.place), []).append(one)
-    is_shared = any(
-        row.output.name.owner == IMU
-        for one in comparison.devices
-        for row in one.outputs
-    )
+    outputs = (row.output.name for one in comparison.devices for row in one.outputs)
+    is_shared = any(name.owner == IMU for name in outputs)
     found = (
-        _offer(order, parts, is_shared=is_shared) for (order, _), parts in units.items()
+        as_one(parts, is_shared=is_shared, order=comparison.procedures.index(procedure))
+        for (procedure, _), parts in by_device(comparison.entrants).items()
     )
-    return tuple(sorted(found, key=lambda one: (one.order, *one.place)))
+    return tuple(sorted(found, key=lambda one: (one.order, *_place(one))))
 
 
 def _of_chosen(
@@ -364,66 +276,47 @@ def _ages(device: Device) -> bool:
     return any(one.line(line) for one in device.sensors for line in AGEING.values())
 
 
-def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> tuple[Purchase, ...]:
+def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> Iterator[Purchase]:
     """Gather what is said of each device after each calibration, best first."""
     required = tuple(dict.fromkeys(one for each in found for one in each.required))
-    units: dict[tuple[int, int], list[Entrant]] = {}
-    for order, each in enumerate(found):
-        for one in each.entrants:
-            units.setdefault((order, one.place), []).append(one)
-    whole = {
-        key: parts
-        for key, parts in units.items()
-        if {one.sensor for one in parts} == {*required}
-    }
+    units = [
+        (order, parts)
+        for order, each in enumerate(found)
+        for parts in by_device(each.entrants).values()
+    ]
+    is_whole = [{one.sensor for one in parts} == {*required} for _, parts in units]
+    whole = [*compress(units, is_whole)]
+    lacking = [one for one, has in zip(units, is_whole, strict=True) if not has]
     kinds = {required[0] if len(required) == 1 else "device": whole}
     if not whole:
         kinds = {
-            sensor: {
-                key: own
-                for key, parts in units.items()
-                if (own := [one for one in parts if one.sensor == sensor])
-            }
+            sensor: [
+                (order, [one])
+                for order, parts in units
+                for one in parts
+                if one.sensor == sensor
+            ]
             for sensor in required
         }
-    unjudged = tuple(
-        dict.fromkeys(
-            one for each in found for one in (*each.not_compared, *each.untested)
-        )
-    )
-    return tuple(
-        Purchase(
+    left = (one for each in found for one in (*each.not_compared, *each.untested))
+    unjudged = tuple(dict.fromkeys(left))
+    for kind, own in kinds.items():
+        yield Purchase(
             kind=kind,
             offers=tuple(
                 sorted(
-                    (
-                        _offer(order, parts, is_shared=is_shared)
-                        for (order, _), parts in of.items()
-                    ),
-                    key=lambda one: one.place,
+                    (as_one(parts, is_shared=is_shared, order=n) for n, parts in own),
+                    key=_place,
                 )
             ),
-            incomplete=len({place for _, place in units.keys() - whole.keys()})
-            * bool(whole),
+            incomplete=len({parts[0].place for _, parts in lacking}) if whole else 0,
             unjudged=unjudged,
         )
-        for kind, of in kinds.items()
-    )
 
 
-def _offer(order: int, parts: Sequence[Entrant], *, is_shared: bool) -> Offer:
-    """Put the parts of a unit together: triads as `compare` does, then the mission."""
-    triads = [one for one in parts if one.is_judged and one.sensor != MISSION]
-    standings: list[Verdict] = [*parts]
-    if all(one.is_judged for one in parts) and len(triads) > 1:
-        of_mission = [one for one in parts if one.sensor == MISSION]
-        standings = [as_one(triads, is_shared=is_shared), *of_mission]
-    first = parts[0]
-    return Offer(
-        name=first.name,
-        file=first.file,
-        calibration=first.procedure,
-        order=order,
-        parts=tuple(parts),
-        standing=reduce(Verdict.beside, standings),
-    )
+def _place(one: Unit) -> tuple[float, ...]:
+    """Return what is chosen by, less is better: verdict, calibration, as `compare`."""
+    if not one.is_judged:
+        return VERDICTS.index(one.verdict), one.order, 0.0, inf
+    verdict, *rest = place_of(one)
+    return verdict, one.order, *rest

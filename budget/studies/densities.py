@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.known import Known
 from budget.methods.intervals import interval_of_trials
 from budget.methods.trials import first_trials
 from budget.ties import first_largest
@@ -40,11 +41,10 @@ class ErrorDensity:
     density: Array = field(repr=False)
     # Of the law, so of its normal distribution [SI].
     mean: float
-    u: float
+    u: Known
     interval: tuple[float, float]  # coverage interval of the law [SI]
     interval_mc: tuple[float, float]  # coverage interval of the trials [SI]
     limit: float | None  # on the absolute error [SI]; None where nothing is required
-    lacks: tuple[Name, ...] = ()  # expected lines that are not given and would widen it
 
 
 def critical_densities(
@@ -89,11 +89,13 @@ def critical_densities(
                 edges=edges,
                 density=density,
                 mean=float(law.mean[k]),
-                u=float(law.standard_uncertainty[k]),
+                u=Known.of(
+                    float(law.standard_uncertainty[k]),
+                    budget.outputs[k].standard_uncertainty.why,
+                ),
                 interval=(float(ends[k, 0]), float(ends[k, 1])),
                 interval_mc=(float(ends_mc[place][0]), float(ends_mc[place][1])),
                 limit=limits.get(problem.outputs[k].name),
-                lacks=budget.outputs[k].lacks,
             )
         )
     return tuple(densities)

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.methods.gum import Propagation
     from budget.missing.prediction import Prediction
     from budget.question import Limited, Question
     from budget.studies.judgement import Judged
@@ -48,9 +47,7 @@ POINTS = 2**15  # in all of them
 STRIDE = 4  # every so manieth point is enough for a range
 
 
-def doubt_of(
-    prediction: Prediction, held: Limited, law: Propagation, judged: Judged
-) -> Doubt | None:
+def doubt_of(prediction: Prediction, held: Limited, judged: Judged) -> Doubt | None:
     """Return the probability to meet, and what each missing line is worth.
 
     None where the given lines are beyond a limit by themselves: nothing is in doubt.
@@ -59,14 +56,14 @@ def doubt_of(
     ----------
     prediction : Prediction
         Of the missing lines.
-    held, law, judged
+    held, judged
         With the lines at the medians of the prediction.
     """
-    unit, room = rooms(prediction, held, law, judged)
+    unit, room = rooms(prediction, held, judged)
     if (room < 0.0).any():
         return None
     ends = np.column_stack(
-        [np.abs(law.mean[held.rows]), judged.factor, held.limits, unit.T, room]
+        [np.abs(held.mean), judged.factor, held.limits, unit.T, room]
     )
     # Equal axes are looked at once.
     unlike = {tuple(map(settle, row)): k for k, row in enumerate(ends.tolist())}
@@ -84,9 +81,7 @@ def doubt_of(
     )
 
 
-def rooms(
-    prediction: Prediction, held: Limited, law: Propagation, judged: Judged
-) -> tuple[Array, Array]:
+def rooms(prediction: Prediction, held: Limited, judged: Judged) -> tuple[Array, Array]:
     """Return what missing lines do to the outputs, and what these have room for.
 
     Returns
@@ -104,9 +99,9 @@ def rooms(
             for name in prediction.names
         ]
     )
-    unit = law.source_variance[np.ix_(filled, held.rows)]
-    total = np.diag(law.covariance)[held.rows]
-    left = held.limits - np.abs(law.mean[held.rows])
+    unit = held.law.source_variance[np.ix_(filled, held.rows)]
+    total = np.diag(held.law.covariance)[held.rows]
+    left = held.limits - np.abs(held.mean)
     allowed = np.where(
         judged.factor > 0.0,
         np.square(

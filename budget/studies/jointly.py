@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.methods.gum import Propagation
+    from budget.question import Limited
 
 NORMAL_TRIALS = 16_384  # of the joint normal law, where there are no others
 POINTS = 32_768  # that every size of what is added is counted in: a power of 2
@@ -67,17 +67,15 @@ class Components:
         return np.asarray(own / np.outer(self.limits, self.limits))
 
 
-def components_of(
-    rows: NDArray[np.intp], limits: Array, law: Propagation
-) -> Components:
+def components_of(held: Limited) -> Components:
     """Return the components of required outputs; lengths are the last of a Problem."""
-    first = law.value.size - law.legs.shape[1]
+    law = held.law
     places: list[int] = []
     each: list[float] = []
     pairs: list[tuple[int, int]] = []
-    for row, limit in zip(rows.tolist(), limits.tolist(), strict=True):
-        own = [row] if row < first else law.legs[:, row - first].tolist()
-        if row >= first:
+    for row, length, limit in zip(held.rows, held.lengths, held.limits, strict=True):
+        own = [row] if length < 0 else law.legs[:, length].tolist()
+        if length >= 0:
             pairs.append((len(places), len(places) + 1))
         places += own
         each += [limit] * len(own)

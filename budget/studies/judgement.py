@@ -47,12 +47,13 @@ from budget.results import (
     JudgedOutput,
     Probability,
     Remedy,
+    u_known,
 )
 from budget.studies.jointly import components_of, ends_together, largest_of_normals
 from budget.ties import ALIKE, equal_to, first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
     from budget.methods.gum import Propagation
     from budget.names import Name
     from budget.problem import Problem
+    from budget.question import Question
     from budget.results import Verdict
 
 TRIALS = 100_000  # at first
@@ -165,7 +167,6 @@ class Judged:
 
 def judge(
     held: Limited,
-    law: Propagation,
     *,
     seed: int,
     trials: int = TRIALS,
@@ -177,17 +178,17 @@ def judge(
     """
     number, values = trials, None
     while True:
-        values = _first_trials(held, law, number, seed, known=values)
-        judged = _judge_by(values, held, law)
+        values = _first_trials(held, number, seed, known=values)
+        judged = _judge_by(values, held)
         settles = judged.is_open and can_sharpen(judged, max_trials, above=1.0)
         if not settles or number >= max_trials:
             return judged
         number = min(STEP * number, max_trials)
 
 
-def judge_with(held: Limited, law: Propagation, *, seed: int, trials: int) -> Judged:
+def judge_with(held: Limited, *, seed: int, trials: int) -> Judged:
     """Judge with so many trials and no more; arguments as of `judge`."""
-    return _judge_by(_first_trials(held, law, trials, seed), held, law)
+    return _judge_by(_first_trials(held, trials, seed), held)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -199,20 +200,16 @@ class Intervals:
     by_trials: NDArray[np.bool_]
 
 
-def intervals_of(
-    problem: Problem,
-    law: Propagation,
-    *,
-    coverage: float,
-    seed: int,
-    besides: Container[Name] = (),
-) -> Intervals:
+def intervals_of(question: Question, *, seed: int) -> Intervals:
     """Return the intervals that `judge` takes from its first trials; no limit counts.
 
     Trials are drawn for outputs that the law could be off by half of what sampling
     leaves open of the end of a normal output: for all others they would be less sure
-    than the law. Outputs `besides` are left with the law's.
+    than the law. What has a limit is left with the law's.
     """
+    problem, law, coverage = question.problem, question.law, question.coverage
+    wanted = question.requirement
+    besides = () if wanted is None else wanted.outputs
     found = Intervals(
         ends=law.interval(coverage), by_trials=np.zeros(law.value.size, dtype=bool)
     )
@@ -236,7 +233,8 @@ def intervals_of(
         printed=("",) * rows.size,
         usual=coverage,
     )
-    drawn = _of_trials(_first_trials(held, law, TRIALS, seed), held, law)
+    vars(held)["law"] = law
+    drawn = _of_trials(_first_trials(held, TRIALS, seed), held)
     taken = rows[drawn.by_trials]
     found.ends[taken] = drawn.interval[drawn.by_trials]
     found.by_trials[taken] = True
@@ -279,22 +277,21 @@ def alike(problem: Problem, law: Propagation) -> NDArray[np.intp]:
 
 def _first_trials(
     held: Limited,
-    law: Propagation,
     trials: int,
     seed: int,
     *,
     known: Array | None = None,
 ) -> Array:
     """Return the outputs `_drawn_rows` in the first trials, (n_drawn, trials) [SI]."""
-    rows = _drawn_rows(held, law)
+    rows = _drawn_rows(held)
     return first_trials(
         held.problem, trials=trials, seed=seed, outputs=rows, known=known
     )
 
 
-def _drawn_rows(held: Limited, law: Propagation) -> NDArray[np.intp]:
+def _drawn_rows(held: Limited) -> NDArray[np.intp]:
     """Return the required outputs and those that stand for them, ascending."""
-    return np.union1d(held.rows, alike(held.problem, law)[held.rows])
+    return np.union1d(held.rows, alike(held.problem, held.law)[held.rows])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -311,13 +308,13 @@ class _OfTrials:
     by_trials: NDArray[np.bool_]
 
 
-def _of_trials(values: Array, held: Limited, law: Propagation) -> _OfTrials:
+def _of_trials(values: Array, held: Limited) -> _OfTrials:
     """Take intervals of trials of the outputs `_drawn_rows`, shape (n_drawn, trials).
 
     An output that varies by rounding alone is left to the law.
     """
-    first = alike(held.problem, law)[held.rows]
-    place = np.searchsorted(_drawn_rows(held, law), first)
+    first = alike(held.problem, held.law)[held.rows]
+    place = np.searchsorted(_drawn_rows(held), first)
     (each, coverage), back = np.unique(
         np.stack([place, held.coverage]), axis=1, return_inverse=True
     )
@@ -331,14 +328,12 @@ def _of_trials(values: Array, held: Limited, law: Propagation) -> _OfTrials:
         noise=ends.noise[:, both] / scale,
         bound=np.zeros(both.size),
     )
-    given = _ends_of_law(held, law)
+    given = _ends_of_law(held)
     sampled = half_widths(drawn).reshape(2, -1).max(axis=0)
     # Of equal ones the largest: they stay together.
     off = np.zeros(coverage.size)
     np.maximum.at(off, back, given.bound[: back.size] * held.limits)
-    varies = law.standard_uncertainty[held.rows] > [
-        output.resolution for output in held.outputs
-    ]
+    varies = held.u > [output.resolution for output in held.outputs]
     return _OfTrials(
         interval=interval_of_values(ordered, coverage, "symmetric")[back],
         within=np.array(
@@ -354,21 +349,18 @@ def _of_trials(values: Array, held: Limited, law: Propagation) -> _OfTrials:
     )
 
 
-def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
+def _judge_by(values: Array, held: Limited) -> Judged:
     """Judge by trials of the outputs `_drawn_rows`, shape (n_drawn, trials) [SI]."""
-    found = _of_trials(values, held, law)
+    found = _of_trials(values, held)
     chosen = np.tile(found.by_trials, 2)
-    places = np.searchsorted(_drawn_rows(held, law), held.rows)
+    places = np.searchsorted(_drawn_rows(held), held.rows)
     largest = np.zeros(values.shape[1])
     for place, limit in zip(places, held.limits, strict=True):
         np.maximum(largest, np.abs(values[place]) / limit, out=largest)
     inside = largest <= 1.0
     return _judged(
         held,
-        law,
-        interval=np.where(
-            found.by_trials[:, None], found.interval, interval_by_law(held, law)
-        ),
+        interval=np.where(found.by_trials[:, None], found.interval, held.by_law),
         by_trials=found.by_trials,
         within=found.within,
         conformance=_binomial(int(inside.sum()), inside.size),
@@ -384,7 +376,7 @@ def _judge_by(values: Array, held: Limited, law: Propagation) -> Judged:
     )
 
 
-def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
+def screen(held: Limited, *, seed: int) -> Judged:
     """Judge by the law alone: fast, and undecided where the law is not sure enough.
 
     The joint probability of a box has no closed form; it is counted in draws of the
@@ -396,27 +388,25 @@ def screen(held: Limited, law: Propagation, *, seed: int) -> Judged:
     from scipy.special import ndtr
 
     limits = held.limits
-    mean, u = law.mean[held.rows], law.standard_uncertainty[held.rows]
+    mean, u = held.mean, held.u
     safe = np.where(u > 0.0, u, 1.0)
     within = np.where(
         u > 0.0,
         ndtr((limits - mean) / safe) - ndtr((-limits - mean) / safe),
         np.abs(mean) <= limits,
     )
-    lengths = held.rows - law.value.size + law.legs.shape[1]
-    for k in np.flatnonzero(lengths >= 0):
-        within[k] = law.probability_of_length(lengths[k], limits[k])
+    for k in np.flatnonzero(held.lengths >= 0):
+        within[k] = held.law.probability_of_length(held.lengths[k], limits[k])
     largest = largest_of_normals(
-        components_of(held.rows, held.limits, law),
+        components_of(held),
         seed=seed,
         name=held.outputs[0].name.owner,
         is_joint=held.is_joint,
     )
-    ends = _ends_of_law(held, law)
+    ends = _ends_of_law(held)
     return _judged(
         held,
-        law,
-        interval=interval_by_law(held, law),
+        interval=held.by_law,
         by_trials=np.zeros(held.rows.size, dtype=bool),
         within=within,
         conformance=Probability(
@@ -447,34 +437,30 @@ def can_sharpen(judged: Judged, max_trials: int, *, above: float) -> bool:
 
 
 def assess_outputs(
-    held: Limited,
-    judged: Judged,
-    verdict: Verdict,
-    lacks: Mapping[Name, tuple[Name, ...]],
+    question: Question, judged: Judged, verdict: Verdict
 ) -> tuple[JudgedOutput, ...]:
     """Return every required output against its limit.
 
-    `lacks` are the lines that are not given and would widen an output, by its name;
-    those that by the verdict are negligible leave nothing open.
+    Lines that are not given and by the verdict are negligible leave nothing open.
     """
-    open_to = [verdict.matter(lacks[output.name]) for output in held.outputs]
+    held = question.limits
+    open_to = [verdict.matter(question.lacks[one.name]) for one in held.outputs]
     return tuple(
         JudgedOutput(
             output=output,
             limit=float(held.limits[k]),
             printed_limit=held.printed[k],
-            standard_uncertainty=float(judged.u[k]),
+            standard_uncertainty=u_known(output, judged.u[k], open_to[k]),
             interval=(float(judged.interval[k, 0]), float(judged.interval[k, 1])),
             interval_by=BY_TRIALS if judged.by_trials[k] else BY_LAW,
             conformance=float(judged.within[k]),
-            lacks=open_to[k],
             coverage=p if (p := float(held.coverage[k])) != held.usual else None,
         )
         for k, output in enumerate(held.outputs)
     )
 
 
-def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
+def find_remedy(held: Limited, judged: Judged) -> Remedy:
     """Return the source that makes most of the worst output, and what would mend it.
 
     With the other sources as they are, k^2 (V - V_s + f^2 V_s) = (limit - |mean|)^2
@@ -482,7 +468,7 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     interval that was judged; its small part in products with other sources is left as
     it is. Of a length, the circle that was judged goes as the law's does.
     """
-    worst = judged.worst
+    worst, law = judged.worst, held.law
     row = held.rows[worst]
     parts = law.source_variance[:, row]
     if not parts.size:  # a sensor without lines has the row of products alone
@@ -492,11 +478,11 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     name = held.problem.groups[source].name
     if total == 0.0:
         return Remedy(source=name, share=0.0, factor=None)
-    if row >= law.value.size - law.legs.shape[1]:
-        factor = _of_length(held, law, judged, source)
+    if held.lengths[worst] >= 0:
+        factor = _of_length(held, judged, source)
         return Remedy(source=name, share=float(parts[source]) / total, factor=factor)
     k = float(judged.factor[worst])
-    allowed = (max(held.limits[worst] - abs(law.mean[row]), 0.0) / k) ** 2
+    allowed = (max(held.limits[worst] - abs(held.mean[worst]), 0.0) / k) ** 2
     rest = total - float(parts[source])
     can_mend = allowed > rest and parts[source] > 0.0
     return Remedy(
@@ -506,9 +492,7 @@ def find_remedy(held: Limited, law: Propagation, judged: Judged) -> Remedy:
     )
 
 
-def _of_length(
-    held: Limited, law: Propagation, judged: Judged, source: int
-) -> float | None:
+def _of_length(held: Limited, judged: Judged, source: int) -> float | None:
     """Return the factor on a source that brings a length to its limit; None: none does.
 
     The ellipse of U - (1 - f^2) U_s gives a circle of the limit's radius, times what
@@ -516,17 +500,16 @@ def _of_length(
     """
     from scipy.optimize import brentq
 
-    row = held.rows[judged.worst]
-    legs = law.legs[:, row - (law.value.size - law.legs.shape[1])]
+    law, worst = held.law, judged.worst
+    legs = law.legs[:, held.lengths[worst]]
     part = covariance_by_source(held.problem, law)[source][np.ix_(legs, legs)]
     rest = law.covariance[np.ix_(legs, legs)] - part
-    by_law = law.interval(held.every_coverage)[row, 1]
-    radius = np.array([by_law / judged.utilisation])
+    radius = held.by_law[[worst], 1] / judged.utilisation
 
     def excess(squared: float) -> float:
         (a, between), (_, b) = (rest + squared * part)[:, :, None]
         within = probability_within(radius, principal_variances(a, b, between))
-        return float(within[0] - held.coverage[judged.worst])
+        return float(within[0] - held.coverage[worst])
 
     if excess(0.0) <= 0.0:
         return None
@@ -550,7 +533,6 @@ def together(judged: Sequence[Judged]) -> Probability:
 
 def _judged(
     held: Limited,
-    law: Propagation,
     *,
     interval: Array,
     by_trials: NDArray[np.bool_],
@@ -565,13 +547,13 @@ def _judged(
     """Add to intervals what follows from them; `largest` is of every trial."""
     end = np.abs(interval).max(axis=1)
     used = end / held.limits
-    u = law.standard_uncertainty[held.rows]
+    u = held.u
     times = 1.0
     if held.is_joint:
         off = given.bound.max() if trials is None else 0.0
         ends = ends_together(largest, held.usual, off=off)
         times = ends.largest / max(used.max(), TINY)
-    beyond_mean = times * end - np.abs(law.mean[held.rows])
+    beyond_mean = times * end - np.abs(held.mean)
     return Judged(
         interval=interval,
         by_trials=by_trials,
@@ -590,15 +572,10 @@ def _judged(
     )
 
 
-def interval_by_law(held: Limited, law: Propagation) -> Array:
-    """Return the law's intervals of the required outputs, (n_required, 2) [SI]."""
-    return np.asarray(law.interval(held.every_coverage)[held.rows])
-
-
-def _ends_of_law(held: Limited, law: Propagation) -> Ends:
+def _ends_of_law(held: Limited) -> Ends:
     """Return the law's ends, which have a bound and no noise."""
-    low, high = interval_by_law(held, law).T
-    off = end_accuracy(held.problem, law, held.every_coverage)[held.rows]
+    low, high = held.by_law.T
+    off = end_accuracy(held.problem, held.law, held.every_coverage)[held.rows]
     return Ends(
         value=np.concatenate([high / held.limits, -low / held.limits]),
         noise=np.zeros((1, 2 * held.rows.size)),

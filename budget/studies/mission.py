@@ -27,6 +27,7 @@ from budget.documents import Shown
 from budget.errors import CallError
 from budget.inputs import without_test
 from budget.inputs.records import FACTORY, UNCALIBRATED
+from budget.known import Known
 from budget.methods.gum import covariance_by_source, derivatives
 from budget.methods.radius import principal_variances, radius_of
 from budget.names import AIDING, ALIGNMENT, AXES, HORIZONTAL, LENGTHS, MISSION, Name
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from budget.question import Question
     from budget.results import Budget
 
+PLANE = LENGTHS["position"]
 POINTS = 100  # of a curve, where nobody asks for more
 DRAWN = 32  # of a figure
 WORSE = 1.01  # CEP over that of another calibration that is worth a word [1]
@@ -299,25 +301,18 @@ def bought(question: Question, budget: Budget | None = None) -> tuple[Calibrated
         grown = curve(one, times)
         last = grown.horizontal_variance()[:, -1].tolist()
         parts.append(dict(zip(grown.sources, last, strict=True)))
-        names = [
-            Name("position", owner=MISSION, axis=LENGTHS["position"], time=time)
+        why = tuple(
+            line
             for time in times
-        ]
-        found.append(
-            Calibrated(
-                name=procedure.name,
-                cep=tuple(grown.radius(CEP).tolist()),
-                lacks=tuple(
-                    line
-                    for name in names
-                    for line in (
-                        budget.output(name).lacks
-                        if budget is not None and procedure is own
-                        else one.lacks[name]
-                    )
-                ),
+            for name in [Name("position", owner=MISSION, axis=PLANE, time=time)]
+            for line in (
+                budget.output(name).standard_uncertainty.why
+                if budget is not None and procedure is own
+                else one.lacks[name]
             )
         )
+        cep = tuple(Known.of(size, why) for size in grown.radius(CEP).tolist())
+        found.append(Calibrated(name=procedure.name, cep=cep))
     place = UNCALIBRATED.index(FACTORY)
     maker, last_one = found[place], found[-1]
     if last_one.cep[-1] <= WORSE * maker.cep[-1]:

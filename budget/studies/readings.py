@@ -24,11 +24,10 @@ from budget.studies.judgement import judge, screen
 from budget.ties import first_largest, settle
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Mapping
 
     from budget.inputs.records import ErrorLine, Sensor
     from budget.question import Question
-    from budget.results import Doubt
     from budget.studies.judgement import Judged
 
 MOST = 16  # combinations that are all computed
@@ -103,7 +102,7 @@ def verdicts_by_reading(
         judged = None if place else taken
         if judged is None:
             look = screen if by_law else judge
-            judged = look(held, read.law, seed=seed)
+            judged = look(held, seed=seed)
         found.append(
             ReadingVerdict(
                 words=choice,
@@ -208,23 +207,3 @@ def _largest_change(u: Mapping[Name, float], taken: Mapping[Name, float]) -> Nam
         for name in names
     ]
     return names[first_largest(changes)] if names else next(iter(u))
-
-
-def verdict_of(
-    judged: Judged,
-    missing: Sequence[Name],
-    *,
-    doubt: Doubt | None,
-    readings: ReadingVerdicts | None,
-) -> str:
-    """Return the verdict on a sensor, the same in every command.
-
-    'predicted' where it rests on predicted lines; 'undecided' where it meets as its
-    values are read and not under every other reading.
-    """
-    if doubt is not None:
-        return "predicted"
-    verdict = judged.verdict(missing)
-    if verdict == "meets" and readings is not None and readings.passes != "all":
-        return "undecided"
-    return verdict

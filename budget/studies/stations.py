@@ -65,11 +65,11 @@ from budget.model.sources import (
 )
 from budget.names import Name, by_group
 from budget.question import Question, given_lines
-from budget.results import InputFile, LimitedOutput, Study, input_files
+from budget.results import LimitedOutput, Study
 from budget.sentences import described, sentence
 from budget.settings import Asked, Inputs, asking
 from budget.studies.blunders import against_limits
-from budget.studies.cautions import not_weighted
+from budget.studies.envelope import envelope
 from budget.studies.verdicts import stand
 from budget.ties import first_largest, largest, settle
 from budget.units import parse_quantity
@@ -312,14 +312,14 @@ class StationVerdict(Documented):
     "station_settings",
     """
     method = 'gum' (str)
-    strategy: how limits are shared out
+    strategy = settings.strategy (str): how limits are shared out
     ratio [1]: of every limit over the station's expanded uncertainty, that is asked for
     guard [1]: guard band over the expanded uncertainty of the measurement
     most_false_accept (float) [1]: ANSI/NCSL Z540.3
-    coverage [1]: of the requirement
+    coverage = settings.coverage [1]: of the requirement
     coverage_factor [1]
-    reference: what an error is one against
-    formulas = procedure.formulas (str)
+    reference = settings.reference: what an error is one against
+    formulas = settings.formulas
     """,
     most_false_accept=lambda _: MOST_FALSE_ACCEPT,
 )
@@ -327,15 +327,9 @@ class StationVerdict(Documented):
 class Qualification(Study):
     """Everything that `budget station` says."""
 
-    title: str
-    requirement: str
-    procedure: Procedure
     ratio: float  # R [1]
     guard: float  # r [1]
-    strategy: str
-    coverage: float
     coverage_factor: float  # k_p [1]
-    reference: str
     figures: tuple[StationFigure, ...]
     stations: tuple[StationVerdict, ...]  # the procedure's own first
     # Correlation and warm-up time that figures were found with, by source [s].
@@ -393,7 +387,7 @@ def qualify(
         )
     _check(ratio, guard, strategy, how)
     question = Question.load(*devices, inputs=inputs)
-    imus, wanted, how = question.devices, question.wanted, question.procedure
+    wanted, how = question.wanted, question.procedure
     sensors = question.sensors
     names = known_outputs([sensor.kind for sensor in sensors], how)
     limits = tuple(one for one in wanted.limits if one.output in names)
@@ -410,38 +404,23 @@ def qualify(
     )
     verdicts = _verdicts(case, candidates)
     probe = _probe(case)
+    own = envelope(
+        question,
+        replace(asked.settle(wanted), strategy=strategy, formulas=how.formulas),
+        assumed=probe.assumed,
+        warned=(*_warnings(case, names), *against_limits(how, wanted)),
+        files={f"candidate {k}": one for k, one in enumerate(candidates, start=1)},
+    )
+    # What is there instead of an ideal station is what is asked.
+    assumptions = tuple(text for text in own["assumptions"] if text != IDEAL)
     return Qualification(
-        title=" + ".join(device.name for device in imus),
-        inputs=(
-            *input_files(imus, procedure=how, requirement=wanted),
-            *(
-                InputFile(
-                    role=f"candidate {place}",
-                    name=one.origin.file,
-                    sha256=one.origin.sha256,
-                )
-                for place, one in enumerate(candidates, start=1)
-            ),
-        ),
-        requirement=wanted.name,
-        procedure=how,
+        **own | {"assumptions": assumptions},
         ratio=ratio,
         guard=guard,
-        strategy=strategy,
-        coverage=wanted.coverage,
         coverage_factor=case.k,
-        reference=wanted.reference,
         figures=_figures(case, probe, strategy),
         stations=verdicts,
         times=probe.times,
-        assumptions=(
-            *(text for device in imus for text in device.assumptions),
-            *(text for text in how.assumptions if text != IDEAL),
-            *wanted.assumptions,
-            *not_weighted(sensors, how),
-            *probe.assumed,
-        ),
-        warnings=(*_warnings(case, names), *against_limits(how, wanted)),
         standings=tuple(
             standing
             for sensor in sensors

@@ -42,20 +42,19 @@ from budget.methods.scaling import ScaledLaw, scaled_law
 from budget.model.sources import SENSORS
 from budget.names import IMU, MISSION, Name
 from budget.question import limited_but_held, question_of
-from budget.results import BY_LAW, LimitedOutput, Verdict
+from budget.results import BY_LAW, LimitedOutput, Verdict, u_known
 from budget.sentences import sentence
+from budget.studies.conditions import uses_of
 from budget.studies.conformity import margins
+from budget.studies.sheets import SATURATES, cautions_of
 from budget.studies.verdicts import (
     FAILS,
     MEETS,
     MEETS_IF,
     PREDICTED,
-    SATURATES,
     UNDECIDABLE,
     UNDECIDED,
-    cautions_of,
     gravest,
-    uses_of,
 )
 from budget.ties import first_largest, settle
 
@@ -68,7 +67,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.question import Question
     from budget.results import Assessment, Budget
-    from budget.studies.verdicts import Margin
+    from budget.studies.margin import Margin
 
 
 LARGEST = 1e6  # factor up to which it is asked what will do [1]
@@ -170,7 +169,7 @@ class Outlook:
     factor [1]: k, of a length on the radius of the circle of its coverage
     shift [1]: d
     limit / unit or null: null where there is none
-    lower_bound = lacks (bool): whether a line that is not given would widen it
+    lower_bound = why (bool): whether a line that is not given would widen it
     resolution = output.resolution / unit: a spread at or below this is rounding
     added / unit / unit: V and, of lengths, D/2 and W of missing lines at their ceilings
     """,
@@ -189,6 +188,7 @@ class WhatIfOutput(LimitedOutput):
     factor: float  # [1]
     shift: float  # [1]
     added: Array  # shape (3,) [SI squared]
+    why: tuple[Name, ...]  # lines that are not given and would widen it
 
 
 # Of a law in printed units, by source, then by output.
@@ -250,7 +250,7 @@ class WhatIf(Documented):
     # Probability of each interval, that of its limit, shape (n_out,) [1].
     coverages: Array = field(repr=False)
     # Of each output: the lines that are not given and would widen it.
-    lacks: tuple[tuple[Name, ...], ...]
+    why: tuple[tuple[Name, ...], ...]
     law: ScaledLaw = field(repr=False)  # in the order of `sources` and `outputs` [SI]
     # What missing lines add at their ceilings: V and, of lengths, D/2 and W
     # (budget.methods.scaling), shape (3, n_out) [SI squared].
@@ -323,7 +323,7 @@ class WhatIf(Documented):
                 factor=self.coverage_factor[k] / along[k],
                 shift=self.shift[k],
                 limit=inf if (limit := self.limit[k]) is None else limit,
-                lacks=self.lacks[k],
+                why=self.why[k],
                 added=self.added[:, k],
             )
             for k, output in enumerate(self.outputs)
@@ -374,23 +374,24 @@ class WhatIf(Documented):
         outlooks = []
         for sensor in self.sensors:
             own = [
-                (used, top, output.name)
-                for used, top, output in zip(
-                    utilisation, at_top, self.outputs, strict=True
+                (used, top, output.name, why)
+                for used, top, output, why in zip(
+                    utilisation, at_top, self.outputs, self.why, strict=True
                 )
                 if used is not None and top is not None
                 if output.name.owner == sensor.name
             ]
             if not own:
                 continue
-            used, _, worst = own[first_largest([row[0] for row in own])]
+            used, _, worst, _ = own[first_largest([row[0] for row in own])]
+            why = tuple(dict.fromkeys(line for *_, lines in own for line in lines))
             is_own = sensor.verdict == PREDICTED or not changed
             outlooks.append(
                 Verdict(
                     sensor=sensor.name,
                     verdict=(is_own and sensor.verdict)
-                    or _verdict(sensor, used, max(top for _, top, _ in own)),
-                    utilisation=Known(used),
+                    or _verdict(sensor, used, max(row[1] for row in own)),
+                    utilisation=Known.of(used, why),
                     worst_outputs=(worst,),
                 )
             )
@@ -534,7 +535,7 @@ def _beside(calibration: WhatIf, mission: WhatIf) -> WhatIf:
         shift=np.concatenate([one.shift for one in both]),
         limit=(*calibration.limit, *mission.limit),
         coverages=np.concatenate([one.coverages for one in both]),
-        lacks=(*calibration.lacks, *mission.lacks),
+        why=(*calibration.why, *mission.why),
         law=law.select_sources(names),
         added=np.concatenate([one.added for one in both], axis=1),
     )
@@ -545,7 +546,7 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
     problem, law, required = question.problem, question.law, question.requirement
     held_against = None if budget is None else budget.assessment
     bounds = {
-        row.output.name: row.lacks
+        row.output.name: row.standard_uncertainty.why
         for row in (held_against.outputs if held_against else ())
     }
     varying = [group.name for group in problem.groups if not group.is_constant]
@@ -600,7 +601,7 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
         shift=shift[rows],
         limit=tuple(limits.get(output.name) for output in outputs),
         coverages=coverages[rows],
-        lacks=tuple(
+        why=tuple(
             bounds.get(output.name, question.lacks[output.name]) for output in outputs
         ),
         law=scaled.select([output.name for output in outputs]),
@@ -676,9 +677,9 @@ class Step:
     """One size of one source, all others as they are."""
 
     factor: float  # [1]
-    u: float  # standard uncertainty of the output [SI]
-    expanded: float  # U, half the coverage interval [SI]
-    utilisation: float | None  # the largest; None where nothing is required
+    u: Known  # standard uncertainty of the output [SI]
+    expanded: Known  # U, half the coverage interval [SI]
+    utilisation: Known | None  # the largest; None where nothing is required
     verdict: str  # the gravest; '' where nothing is required
 
 
@@ -689,7 +690,7 @@ class Step:
     output = output.name: where its share is largest
     unit = output.unit
     share [1]: of the variance of that output as it is
-    lower_bound = lacks (bool): whether a line that is not given would widen that output
+    lower_bound: whether a line that is not given would widen that output
     meets_up_to = most or null [1]: largest factor at which all limits are kept; null
       where none is, or any will do
     meets_at_any (bool)
@@ -707,11 +708,15 @@ class SourceSteps(LimitedOutput):
 
     source: WhatIfSource
     share: float  # of the variance of that output as it is [1]
-    used_lacks: tuple[Name, ...]  # or an output that has such a limit
     steps: tuple[Step, ...]
     # Largest factor at which all these limits are kept, the others as they are [1];
     # None where not even 0 is enough, or nothing is limited; inf where any will do.
     most: float | None
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether a line that is not given would widen that output."""
+        return any(one.expanded.is_bound for one in self.steps)
 
 
 def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
@@ -721,24 +726,20 @@ def one_at_a_time(what_if: WhatIf) -> tuple[SourceSteps, ...]:
     for g, source in enumerate(what_if.sources):
         k = _widest(what_if, present.share[:, g])
         judged = source.decides
-        outlooks = [what_if.evaluate({source.name: factor}) for factor in FACTORS]
         rows.append(
             SourceSteps(
                 source=source,
                 output=what_if.outputs[k],
                 share=float(present.share[k, g]),
-                lacks=what_if.lacks[k],
-                used_lacks=tuple(
-                    line
-                    for own, limit, lacks in zip(
-                        what_if.outputs, what_if.limit, what_if.lacks, strict=True
-                    )
-                    if own.name.owner in judged and limit is not None
-                    for line in lacks
-                ),
                 steps=tuple(
-                    _step(what_if, outlook, factor, k, judged)
-                    for factor, outlook in zip(FACTORS, outlooks, strict=True)
+                    _step(
+                        what_if,
+                        what_if.evaluate({source.name: factor}),
+                        factor,
+                        k,
+                        judged,
+                    )
+                    for factor in FACTORS
                 ),
                 most=_most(what_if, source.name, judged),
             )
@@ -794,10 +795,11 @@ def _step(
 ) -> Step:
     """Read one output and one verdict from an outlook."""
     own = [one for one in outlook.sensors if one.sensor in judged]
+    u = u_known(what_if.outputs[k], outlook.u[k], what_if.why[k])
     return Step(
         factor=factor,
-        u=float(outlook.u[k]),
-        expanded=float(what_if.coverage_factor[k] * outlook.u[k]),
-        utilisation=max((one.utilisation for one in own), default=None),
+        u=u,
+        expanded=u.like(float(what_if.coverage_factor[k] * u)),
+        utilisation=Known.largest(one.utilisation for one in own) if own else None,
         verdict=gravest(one.verdict for one in own) if own else "",
     )

@@ -85,11 +85,11 @@ class Copula(Group):
             )
         return root
 
-    def deviations(self, z: Array) -> Array:
+    def deviations(self, z: Array, out: Array | None = None) -> Array:
         """Return deviations from the mean, shape (n, trials) [SI]: see Group."""
         if not self.is_joined:
-            return super().deviations(z)
-        x = self.scores_factor @ z
+            return super().deviations(z, out)
+        x = np.matmul(self.scores_factor, z, out=out)
         u = np.sqrt(np.diag(self.covariance))
         for u_x, shape, row in zip(u, self.distributions, x, strict=True):
             row[:] = u_x * quantiles_of_scores(shape, row)

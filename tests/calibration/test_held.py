@@ -7,8 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from acting import UNITS, triads
-from builders import line, procedure
+from builders import UNITS, line, procedure, triads
 from numpy.testing import assert_allclose, assert_array_equal
 
 from budget.calibration.problem import calibration_problem

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import triads
-from builders import line, paper_accelerometer, paper_gyro, procedure
+from builders import line, paper_accelerometer, paper_gyro, procedure, triads
 from numpy.testing import assert_allclose
 
 from budget.calibration.mission import (

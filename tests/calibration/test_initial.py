@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import UNITS, triads
-from builders import line
+from builders import UNITS, line, triads
 from numpy.testing import assert_allclose, assert_array_equal
 
 from budget.calibration.mission import mission_outputs

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import triads
-from builders import line, procedure
+from builders import line, procedure, triads
 from numpy.testing import assert_allclose
 
 from budget.aiding import problem_of_mission

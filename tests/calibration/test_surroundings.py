@@ -7,8 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from acting import ACC_ANGLE, ACC_SF, GYRO_ANGLE, GYRO_BIAS, triads
-from builders import line, procedure
+from builders import ACC_ANGLE, ACC_SF, GYRO_ANGLE, GYRO_BIAS, line, procedure, triads
 from numpy.testing import assert_allclose
 from scipy.stats import chi2
 

@@ -9,7 +9,8 @@ from statistics import NormalDist
 import pytest
 from command_line import call, output
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.inputs import load_device
 from budget.studies.allocation import allocate
@@ -52,15 +53,12 @@ accelerometer:
 @pytest.fixture
 def odd(tmp_path):
     """Write a device file with everything that a writer can get wrong."""
-    path = tmp_path / "odd.yaml"
-    path.write_text(ODD, encoding="utf-8")
-    return path
+    return put(tmp_path / "odd.yaml", ODD)
 
 
 def document(*args):
     """Return the JSON document of an allocation that succeeds."""
-    run = call("allocate", *FAST, *args, "--json", "-")
-    assert run.code == 0, run.err
+    run = call("allocate", *FAST, *args, "--json", "-", code=0)
     return run.document
 
 
@@ -110,9 +108,9 @@ def test_the_written_device_meets_the_requirement(odd, tmp_path, strategy):
     run = call(
         *("analyze", path, "--reference", "next_turn_on", "--no-validate"),
         *("--json", "-"),
+        code=0,
     )
 
-    assert run.code == 0, run.err
     binding = 0
     for row in allotted["outputs"]:
         found = output(run.document, row["output"])
@@ -232,9 +230,9 @@ def test_infeasible_exits_1_and_writes_nothing(tmp_path):
     run = call(
         *("allocate", *FAST, "--fix", "gyro.bias_stability"),
         *("--write", files[0], "--json", files[1], "--csv", files[2]),
+        code=1,
     )
 
-    assert run.code == 1
     assert not any(path.exists() for path in files)
     assert_says(run.out, "cannot be met", "gyro bias z: 482 %", "limit 0.01 deg/h")
     assert_says(run.out, "bias stability 2319 %", "more than 0.0482 deg/h")
@@ -243,9 +241,8 @@ def test_infeasible_exits_1_and_writes_nothing(tmp_path):
 
 def test_infeasible_says_so_in_the_document():
     """On stdout the document has feasible false, and null for what has no answer."""
-    run = call("allocate", *FAST, "--fix", "gyro.bias_stability", "--json", "-")
+    run = call("allocate", *FAST, "--fix", "gyro.bias_stability", "--json", "-", code=1)
 
-    assert run.code == 1
     assert run.document["feasible"] is False
     by_name = {row["source"]: row["allowed"] for row in run.document["sources"]}
     assert by_name["gyro.bias_repeatability"] is None
@@ -288,11 +285,10 @@ def test_a_density_stays_in_the_terms_of_the_file(odd, tmp_path, sides):
 
 def test_costs_choose_their_strategy(tmp_path):
     """A costs file makes the strategy cost, and the multipliers are told."""
-    path = tmp_path / "costs.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "costs.yaml",
         "costs: {gyro.bias_stability: {a: 1, p: 1, u_ref: 0.04 deg/h}, "
         "gyro.angle_random_walk: {a: 3, p: 2}}\n",
-        encoding="utf-8",
     )
     found = document("--costs", path)
 
@@ -325,22 +321,19 @@ def test_a_bad_call_is_refused(args, words):
 
 def test_a_missing_requirement_is_a_bad_call():
     """Without a requirement there is nothing to allocate."""
-    run = call("allocate")
-    assert run.code == 2
+    run = call("allocate", code=2)
     assert "--requirement" in run.err
 
 
 @pytest.fixture
 def gyro(tmp_path):
     """Write a device of one gyro, half as dear as two sensors."""
-    path = tmp_path / "gyro.yaml"
-    path.write_text(
+    return put(
+        tmp_path / "gyro.yaml",
         "name: g\n"
         "gyro: {errors: {bias_repeatability: 0.05 deg/h, "
         "angle_random_walk: 0.005 deg/sqrt(h)}}\n",
-        encoding="utf-8",
     )
-    return path
 
 
 @pytest.mark.slow
@@ -372,10 +365,9 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
     path = tmp_path / "bare.yaml"
     part = f"{{errors:{errors}}}" if errors else "{}"
     path.write_text(f"name: Bare\ngyro: {part}\n", encoding="utf-8")
-    run = call("allocate", path, *FAST, "--strategy", strategy, "--json", "-")
+    run = call("allocate", path, *FAST, "--strategy", strategy, "--json", "-", code=1)
     found = run.document
 
-    assert run.code == 1
     assert found["feasible"] is True
     assert {one["verdict"] for one in found["standings"]} == {"undecidable"}
     assert any("nothing to allocate" in text for text in found["warnings"])
@@ -386,15 +378,14 @@ def test_a_device_without_any_error_has_nothing_to_share(tmp_path, errors, strat
 def test_report_has_a_section_on_the_allocation(gyro, tmp_path):
     """`budget report --allocate` adds what each line may be; alone it is exit 2."""
     page = tmp_path / "report.html"
-    run = call(
+    call(
         *("report", gyro, "--requirement", "navigation-grade", "--allocate"),
         *("--no-validate", "-o", str(page)),
+        code=0,
     )
-    assert run.code == 0
     assert "Allowable specification values" in page.read_text(encoding="utf-8")
 
-    without = call("report", "--allocate", "-o", str(tmp_path / "other.html"))
-    assert without.code == 2
+    without = call("report", "--allocate", "-o", str(tmp_path / "other.html"), code=2)
     assert "--requirement" in without.err
     assert not (tmp_path / "other.html").exists()
 
@@ -411,11 +402,10 @@ def test_what_is_written_for_a_mission_does_not_fail(tmp_path, monkeypatch):
     )
     limits = ("--requirement", "mile.yaml", "--mission", "bench")
 
-    run = call("allocate", *limits, "--no-validate", "--write", "new.yaml")
+    call("allocate", *limits, "--no-validate", "--write", "new.yaml", code=0)
     before = call("compare", "zhao-2019", *limits, "--method", "gum", "--json", "-")
     after = call("compare", "new.yaml", *limits, "--method", "gum", "--json", "-")
 
-    assert run.code == 0
     (old,), (new,) = before.document["devices"], after.document["devices"]
     assert old["verdict"] == "fails"
     assert new["verdict"] in {"meets", "undecided"}

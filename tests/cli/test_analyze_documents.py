@@ -14,6 +14,7 @@ import pytest
 from command_line import analyze, call
 from jsonschema import Draft202012Validator
 from numpy.testing import assert_allclose
+from places import put
 
 AXES = ("x", "y", "z")
 ANGLES = ("xy", "xz", "yx", "yz", "zx", "zy")
@@ -300,8 +301,7 @@ def test_sobol_indices_only_when_asked_for(document):
 def test_inputs_are_named_by_content(tmp_path):
     """Input files stand with base name and SHA-256, without their folders."""
     text = "name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n"
-    device = tmp_path / "device.yaml"
-    device.write_text(text, encoding="utf-8")
+    device = put(tmp_path / "device.yaml", text)
 
     assert analyze(device)["inputs"]["device"] == {
         "name": "device.yaml",
@@ -311,12 +311,13 @@ def test_inputs_are_named_by_content(tmp_path):
 
 def test_document_names_no_place(tmp_path):
     """No folder, output name, host or number of workers gets into a document."""
-    device = tmp_path / "device.yaml"
-    device.write_text("name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n")
+    device = put(
+        tmp_path / "device.yaml",
+        "name: g\ngyro: {errors: {bias_repeatability: 1 deg/h}}\n",
+    )
     file = tmp_path / "out.json"
-    run = call("analyze", device, "--no-validate", "--workers", "2", "--json", file)
+    call("analyze", device, "--no-validate", "--workers", "2", "--json", file, code=0)
 
-    assert run.code == 0, run.err
     text = file.read_text(encoding="utf-8")
     for word in (str(tmp_path), "out.json", str(Path.home()), "workers"):
         assert word not in text

@@ -4,8 +4,9 @@ import io
 
 import pytest
 from command_line import call
+from places import put
+from reading import assert_says
 from rich.console import Console
-from saying import assert_says
 
 from budget.cli import options
 from budget.language import speaking
@@ -167,8 +168,7 @@ def test_every_name_that_is_offered_is_taken():
     """Sources and outputs: none that is refused when it is typed."""
     names = ",".join(options.complete_output("gyro."))
     taken = ("--outputs", names, "--only", options.complete_source("gyro.bias_s")[0])
-    found = call("analyze", "zhao-2019", "--no-validate", *taken)
-    assert found.code == 0, found.err
+    call("analyze", "zhao-2019", "--no-validate", *taken, code=0)
 
 
 @pytest.mark.parametrize("name", ["analyze", "mission", "station", "allocate"])
@@ -188,11 +188,10 @@ def test_help_has_options_in_groups(name):
 
 def test_a_small_error_is_not_in_the_unit_of_a_large_limit(tmp_path):
     """2 m of 50 km are metres; near its limit an error is in the unit of that."""
-    path = tmp_path / "wide.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "wide.yaml",
         "name: wide\nlimits: {mission: {position: [{horizontal: 50 km, at: 60 s}, "
         "{horizontal: 0.01 km, at: 30 s}]}}\n",
-        encoding="utf-8",
     )
     out = call(
         *("mission", "zhao-2019", "--mission", "outage-60-s", "--no-validate"),

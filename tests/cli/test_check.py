@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from places import ROOT
+from places import ROOT, put
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, store, stored
-from saying import assert_says
 
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, take
@@ -53,10 +53,9 @@ class TestShipped:
     @pytest.mark.kernels
     def test_they_hold(self):
         """Without a name all are checked, all hold, each in one line."""
-        run = call("check")
+        run = call("check", code=0)
 
         names = [one.shown for one in shipped_references()]
-        assert run.code == 0, run.out
         lines = [line for line in run.out.splitlines() if "  unchanged  " in line]
         assert [line.split()[0] for line in lines] == names
         assert f"{len(names)} references: {len(names)} unchanged, 0 moved" in run.out
@@ -90,12 +89,12 @@ class TestShipped:
         path = tmp_path / "specs" / "references" / "zhao-2019-eq4-nominal.json"
         before = stored(path)
         specs = tmp_path / "specs"
-        run = call(
+        call(
             *("check", "--save", path, specs / "devices" / "zhao-2019.yaml"),
             *("--procedure", specs / "procedures" / "zhao-2019-eq4.yaml"),
             *("--reference", "nominal"),
+            code=0,
         )
-        assert run.code == 0, run.err
         after = stored(path)
         assert (after.inputs, after.settings) == (before.inputs, before.settings)
 
@@ -111,9 +110,8 @@ class TestMoved:
     def test_text(self, folder):
         """The key with both figures, the output, from, to, tolerances, the cause."""
         rewrite(folder, WORSE)
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=1)
 
-        assert run.code == 1
         assert "ref.json  MOVED" in run.out
         assert f"1. device imu.yaml: {KEY}: 0.04 deg/h -> 0.0404 deg/h" in run.out
         head, *rows = run.out[run.out.index("Gyro bias, u") :].splitlines()
@@ -127,17 +125,15 @@ class TestMoved:
     def test_fits(self, folder, width):
         """No line is longer than the terminal is wide."""
         rewrite(folder, WORSE.replace("37 ppm", "70 ppm"))
-        run = call("check", "ref.json", COLUMNS=width)
+        run = call("check", "ref.json", COLUMNS=width, code=1)
 
-        assert run.code == 1
         assert max(map(len, run.out.splitlines())) <= int(width)
 
     def test_json(self, folder):
         """The document has every move with its cause, and what the law says of it."""
         rewrite(folder, WORSE)
-        run = call("check", "ref.json", "--json", "-")
+        run = call("check", "ref.json", "--json", "-", code=1)
 
-        assert run.code == 1
         document = run.document
         assert (document["schema"], document["command"]) == ("budget/1", "check")
         assert document["holds"] is False
@@ -173,10 +169,9 @@ class TestMoved:
         """One row for each move, numbers with all their digits."""
         rewrite(folder, WORSE)
         moved = call("check", "ref.json", "--json", "-").document["moved"]
-        run = call("check", "ref.json", "--csv", "-")
+        run = call("check", "ref.json", "--csv", "-", code=1)
 
         rows = list(csv.DictReader(io.StringIO(run.out)))
-        assert run.code == 1
         assert [float(row["after"]) for row in rows] == [row["after"] for row in moved]
         assert {row["because"] for row in rows} == {f"{KEY} 100 %"}
 
@@ -209,13 +204,11 @@ class TestMoved:
     def test_a_change_of_the_procedure(self, folder):
         """The procedure is named as the cause where it changed."""
         shutil.copy(shipped("specs") / "procedures" / "zhao-2019.yaml", "how.yaml")
-        save = call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml")
-        assert save.code == 0, save.err
+        call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml", code=0)
         text = (folder / "how.yaml").read_text()
         (folder / "how.yaml").write_text(text.replace("turns: 1", "turns: 2"))
-        run = call("check", "p.json")
+        run = call("check", "p.json", code=1)
 
-        assert run.code == 1
         assert "procedure how.yaml: gyro.turns: 1 -> 2" in run.out
 
     def test_a_change_of_the_requirement(self, folder):
@@ -225,14 +218,18 @@ class TestMoved:
             "limits: {gyro: {bias: 0.2 deg/h}, accelerometer: {bias: 100 ug}}\n"
         )
         (folder / "want.yaml").write_text(text)
-        save = call(
-            "check", "--save", "q.json", "imu.yaml", "--requirement", "want.yaml"
+        call(
+            "check",
+            "--save",
+            "q.json",
+            "imu.yaml",
+            "--requirement",
+            "want.yaml",
+            code=0,
         )
-        assert save.code == 0, save.err
         (folder / "want.yaml").write_text(text.replace("0.2 deg/h", "0.1 deg/h"))
-        run = call("check", "q.json")
+        run = call("check", "q.json", code=1)
 
-        assert run.code == 1
         assert "requirement want.yaml: limits.gyro.bias: 0.2 deg/h -> 0.1" in run.out
         assert "Gyro, verdict: " in run.out
         assert "-> fails" in run.out
@@ -252,9 +249,8 @@ class TestMoved:
         rewrite(
             folder, DEVICE.replace("    angle_random_walk: 0.005 deg/sqrt(h)\n", "")
         )
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=1)
 
-        assert run.code == 1
         said = "angle_random_walk: {value: 0.005 deg/sqrt(h)} -> (not there)"
         assert said in flat(run.out)
         assert "gyro.angle_random_walk" in run.out
@@ -280,15 +276,15 @@ class TestMoved:
 
     def test_a_key_that_cannot_be_tried_alone(self, folder):
         """Two keys that only go together are named, and the one is marked."""
-        how = folder / "how.yaml"
-        how.write_text("name: how\nsample_rate: 100 Hz\ngyro: {dwell: 300 s}\n")
-        save = call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml")
-        assert save.code == 0, save.err
+        how = put(
+            folder / "how.yaml",
+            "name: how\nsample_rate: 100 Hz\ngyro: {dwell: 300 s}\n",
+        )
+        call("check", "--save", "p.json", "imu.yaml", "--procedure", "how.yaml", code=0)
         # A window of 5 ms holds no sample at 100 Hz.
         how.write_text("name: how\nsample_rate: 1 kHz\ngyro: {dwell: 5 ms}\n")
-        run = call("check", "p.json")
+        run = call("check", "p.json", code=1)
 
-        assert run.code == 1
         said = flat(run.out)
         assert "gyro.dwell: 300 s -> 5 ms (cannot be tried by itself)" in said
         assert re.search(r"(?m)^all .*together: 100 %", run.out)
@@ -304,9 +300,8 @@ class TestMoved:
         )
         monkeypatch.setattr(module, "compute", jobs.compute)  # anew
         monkeypatch.setattr(jobs, "analyze", _with_other_trigger(jobs.analyze))
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=1)
 
-        assert run.code == 1
         assert "tool: budget: 0.1.0 -> 9.9" in run.out
         assert "tool: numpy: " in run.out
         assert "imu.yaml: " not in run.out
@@ -317,9 +312,8 @@ class TestMoved:
         from budget.references import check as module
 
         monkeypatch.setattr(module, "present_versions", lambda: {"budget": "9.9"})
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=0)
 
-        assert run.code == 0
         assert "stored with other versions: budget 0.1.0 -> 9.9" in run.out
 
 
@@ -338,9 +332,8 @@ class TestHolds:
     def test_a_changed_text_is_reported(self, folder):
         """Notes move no number: exit code 0, and the key is named."""
         rewrite(folder, EDITED)
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=0)
 
-        assert run.code == 0
         assert "ref.json  unchanged" in run.out
         said = "notes: not a number -> still none (moves no number)"
         assert said in flat(run.out)
@@ -352,9 +345,8 @@ class TestHolds:
         rewrite(
             folder, "# a comment\n" + DEVICE.replace("Two sensors", "'Two sensors'")
         )
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=0)
 
-        assert run.code == 0
         assert " changed" not in run.out
 
     def test_from_any_folder(self, folder, tmp_path_factory, monkeypatch):
@@ -390,9 +382,8 @@ class TestBad:
     def test_an_input_gone(self, folder):
         """Exit code 2: which file is not there, and what to do."""
         (folder / "imu.yaml").unlink()
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=2)
 
-        assert run.code == 2
         assert run.err.startswith("ref.json: ")
         assert run.err.count("\n") == 1
         assert_says(run.err, "imu.yaml", "not there", "put the file back", "save")
@@ -400,9 +391,8 @@ class TestBad:
     def test_an_input_broken(self, folder):
         """A device file that is none any more is told with its place."""
         rewrite(folder, DEVICE.replace("37 ppm", "37 apples"))
-        run = call("check", "ref.json")
+        run = call("check", "ref.json", code=2)
 
-        assert run.code == 2
         assert "imu.yaml:15:33:" in run.err
         assert "apples" in run.err
 
@@ -410,9 +400,8 @@ class TestBad:
         """One bad reference does not hide what another says; exit code 2."""
         rewrite(folder, WORSE)
         (folder / "bad.json").write_text("{")
-        run = call("check", "bad.json", "none.json", "ref.json", "hg4930-c")
+        run = call("check", "bad.json", "none.json", "ref.json", "hg4930-c", code=2)
 
-        assert run.code == 2
         assert "bad.json:1:2: ends too early" in run.err
         assert "none.json: no such file" in run.err
         assert "ref.json  MOVED" in run.out
@@ -487,15 +476,14 @@ class TestSave:
     @pytest.mark.parametrize("kind", ["compare", "allocate"])
     def test_other_kinds(self, folder, kind):
         """A comparison and an allocation are stored, hold, and move with an input."""
-        run = call(
+        call(
             *("check", "--save", "k.json", "imu.yaml", "--kind", kind),
             *("--requirement", "navigation-grade"),
+            code=0,
         )
-        assert run.code == 0, run.err
         assert call("check", "k.json").code == 0
         rewrite(folder, WORSE)
-        moved = call("check", "k.json")
-        assert moved.code == 1
+        moved = call("check", "k.json", code=1)
         assert f"{KEY}: 0.04 deg/h -> 0.0404 deg/h" in moved.out
 
     @pytest.mark.parametrize(
@@ -510,8 +498,7 @@ class TestSave:
     )
     def test_other_methods(self, folder, args):
         """Adaptive trials, simulation, one source alone, indices: stored, and hold."""
-        run = call("check", "--save", "m.json", "imu.yaml", *args)
-        assert run.code == 0, run.err
+        call("check", "--save", "m.json", "imu.yaml", *args, code=0)
         assert any(n.is_sampled for n in stored(folder / "m.json").numbers)
         assert call("check", "m.json").code == 0
 
@@ -522,9 +509,8 @@ class TestSave:
         args = ("--kind", "compare", "--requirement", "navigation-grade")
         assert call("check", "--save", "v.json", "imu.yaml", *args).code == 0
         rewrite(folder, more + "  B: {gyro: {errors: {bias_stability: 1 deg/h}}}\n")
-        run = call("check", "v.json")
+        run = call("check", "v.json", code=1)
 
-        assert run.code == 1
         assert "device: imu.yaml#B: (not there) -> there" in run.out
 
     @pytest.mark.parametrize(

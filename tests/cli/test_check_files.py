@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from command_line import call
+from places import put
 
 from budget.inputs import json_schema
 from budget.resources import shipped
@@ -34,25 +35,24 @@ def test_shipped_files_are_valid():
 
 def test_assumptions_are_printed(tmp_path):
     """A default that was taken for a figure is said: a correlation time of 300 s."""
-    file = tmp_path / "g.yaml"
-    file.write_text("name: g\ngyro: {errors: {bias_stability: 1 deg/h}}\n")
-    run = call("validate", file)
+    file = put(
+        tmp_path / "g.yaml", "name: g\ngyro: {errors: {bias_stability: 1 deg/h}}\n"
+    )
+    run = call("validate", file, code=0)
 
-    assert run.code == 0
     assert re.search(r"assumed: .*bias_stability.*300 s", run.out)
 
 
 def test_faults_are_printed_with_their_places(tmp_path):
     """All faults of a file are said at once, each as file:line:column: field: ..."""
-    file = tmp_path / "bad.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "bad.yaml",
         "name: bad\n"
         "gyro:\n"
         "  errors:\n"
         "    bias_stabilty: 0.04 deg/h\n"
         "    bias_repeatability: 0.05\n"
         "    angle_random_walk: 0.005 deg/h\n",
-        encoding="utf-8",
     )
     run = call("validate", file)
 
@@ -64,11 +64,9 @@ def test_faults_are_printed_with_their_places(tmp_path):
 
 def test_good_files_are_named_beside_bad_ones(tmp_path):
     """One bad file among good ones is exit 2; the good ones are still said valid."""
-    bad = tmp_path / "bad.yaml"
-    bad.write_text("name: bad\nwheels: 4\n", encoding="utf-8")
-    run = call("validate", REQUIREMENT, bad)
+    bad = put(tmp_path / "bad.yaml", "name: bad\nwheels: 4\n")
+    run = call("validate", REQUIREMENT, bad, code=2)
 
-    assert run.code == 2
     assert run.out == f"{REQUIREMENT}: requirement, valid\n"
     assert run.err.startswith(f"{bad}:")
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import command_line
 import pytest
 from command_line import call
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 import budget
 from budget.errors import SpecError
@@ -57,8 +58,7 @@ def test_every_name_of_the_list_is_taken(tmp_path, monkeypatch):
 
 def test_a_file_that_ships_and_is_not_here_is_named_as_it_is_given():
     """The error for hg4930.yaml#A says hg4930#A."""
-    found = call("analyze", "specs/hg4930.yaml#A")
-    assert found.code == 2
+    found = call("analyze", "specs/hg4930.yaml#A", code=2)
     assert_says(found.err, "specs/hg4930.yaml", "'hg4930#A'")
 
 
@@ -148,9 +148,8 @@ def test_file_with_variants_shows_each():
 
 def test_unknown_device_is_2():
     """A name that there is not: exit 2 and the nearest one."""
-    run = call("devices", "hg493")
+    run = call("devices", "hg493", code=2)
 
-    assert run.code == 2
     assert "did you mean 'hg4930'" in run.err
 
 
@@ -173,8 +172,9 @@ def test_errors_of_several_files_come_together(tmp_path):
     """Two bad files are told at once."""
     paths = []
     for name in ("one", "two"):
-        path = tmp_path / f"{name}.yaml"
-        path.write_text(f"name: {name}\ngyro: {{errors: {{bias: 1}}}}\n")
+        path = put(
+            tmp_path / f"{name}.yaml", f"name: {name}\ngyro: {{errors: {{bias: 1}}}}\n"
+        )
         paths.append(path)
     with pytest.raises(SpecError) as caught:
         load_all(paths)

@@ -11,8 +11,8 @@ from math import sqrt
 import pytest
 from command_line import analyze, call, output
 from numpy.testing import assert_allclose
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, store
-from saying import assert_says
 
 from budget.resources import shipped
 
@@ -131,8 +131,7 @@ class TestDevices:
     @pytest.mark.slow
     def test_variants_and_shipped_ones(self):
         """FILE#VARIANT and bare names; many keys are counted, not all listed."""
-        run = call("diff", "zhao-2019", "hg4930#C")
-        assert run.code == 0
+        run = call("diff", "zhao-2019", "hg4930#C", code=0)
         said = " ".join(run.out.split())
         key = "gyro.errors.mounting_repeatability"
         assert f"{key}: 2 arcsec -> {{value: 750 μrad, meaning: 1 sigma}}" in said
@@ -213,8 +212,7 @@ class TestDevices:
     @pytest.mark.parametrize("width", ["40", "80", "120"])
     def test_fits(self, width):
         """No line is longer than the terminal is wide."""
-        run = call("diff", "zhao-2019", "stim300#5g", COLUMNS=width)
-        assert run.code == 0
+        run = call("diff", "zhao-2019", "stim300#5g", COLUMNS=width, code=0)
         assert max(map(len, run.out.splitlines())) <= int(width)
         # However narrow, the same numbers.
         for text in ("0.056", "8.074", "x 143"):
@@ -296,8 +294,7 @@ class TestReferences:
                 )
             ).code == 0
             (folder / "imu.yaml").write_text(BETTER)
-        run = call("diff", "a.json", "b.json")
-        assert run.code == 0
+        run = call("diff", "a.json", "b.json", code=0)
         assert "gyro, utilisation\nimu.yaml" in run.out
 
 

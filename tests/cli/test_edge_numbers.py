@@ -29,8 +29,7 @@ COSTS = "costs: {{gyro.bias_repeatability: {{{}}}}}\n"
 @pytest.mark.parametrize("text", BEYOND)
 def test_a_coverage_at_the_edge_is_refused_on_the_command_line(text):
     """Exit code 2, and what is allowed."""
-    run = call("analyze", "--no-validate", "--coverage", text)
-    assert run.code == 2, run
+    run = call("analyze", "--no-validate", "--coverage", text, code=2)
     assert "from 1e-6 to 1 - 1e-12" in run.err
     assert "Traceback" not in run.err
 
@@ -41,8 +40,7 @@ def test_a_coverage_within_the_bounds_gives_finite_intervals(text, method):
     """The bounds themselves are allowed."""
     how = ("--method", method, "--json", "-")
     how += ("--no-validate",) if method == "gum" else ("--trials", "2000")
-    run = call("analyze", "--coverage", text, *how)
-    assert run.code == 0, run.err
+    run = call("analyze", "--coverage", text, *how, code=0)
     for row in run.document["outputs"]:
         low, high = row["interval"]
         assert np.isfinite([low, high]).all()
@@ -54,8 +52,7 @@ def test_a_coverage_at_the_edge_is_refused_in_a_file(text, tmp_path, monkeypatch
     """At its place in the requirement."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "r.yaml").write_text(REQUIREMENT.format(text), encoding="utf-8")
-    run = call("validate", "r.yaml")
-    assert run.code == 2
+    run = call("validate", "r.yaml", code=2)
     assert run.err.startswith("r.yaml:2:11: coverage: ")
     assert "from 1e-6 to 1 - 1e-12" in run.err
 
@@ -80,8 +77,7 @@ def test_a_cost_at_the_edge_is_refused(part, place, tmp_path, monkeypatch):
     """At its place in the costs file."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "c.yaml").write_text(COSTS.format(part), encoding="utf-8")
-    run = call("validate", "c.yaml")
-    assert run.code == 2
+    run = call("validate", "c.yaml", code=2)
     assert run.err.startswith("c.yaml:1:")
     assert f"costs.gyro.bias_repeatability.{place}" in run.err
 
@@ -92,7 +88,6 @@ def test_a_cost_that_is_no_number_is_refused_in_words(tmp_path, monkeypatch):
     text = COSTS.format("a: 1e12, p: 10, u_ref: 1e30 deg/h")
     (tmp_path / "c.yaml").write_text(text, encoding="utf-8")
     how = ("--requirement", "navigation-grade", "--costs", "c.yaml", "--no-validate")
-    run = call("allocate", *how)
-    assert run.code == 2, run
+    run = call("allocate", *how, code=2)
     assert "gyro.bias_repeatability" in run.err
     assert "Traceback" not in run.err

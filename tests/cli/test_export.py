@@ -10,7 +10,8 @@ import pytest
 import yaml
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.studies.export.template import targets
 
@@ -25,15 +26,13 @@ def test_every_target_can_be_asked_for():
         assert (
             call("export", "hg4930#A", "--to", name.upper(), "--rate", "200").code == 0
         )
-    run = call("export", "hg4930#A", "--to", "ekf2")
-    assert run.code == 2
+    run = call("export", "hg4930#A", "--to", "ekf2", code=2)
     assert_says(run.err, "ekf2", "kalibr", "nav-toolkit")
 
 
 def test_stdout_is_the_file_and_stderr_what_it_cannot_hold():
     """A pipe gets YAML and nothing else; a person hears what is not in it."""
-    run = call(*KALIBR)
-    assert run.code == 0
+    run = call(*KALIBR, code=0)
     assert yaml.safe_load(run.out)["update_rate"] == 200.0
     assert_says(run.err, "Kalibr cannot hold", "gyro.bias_repeatability", "proxy")
 
@@ -41,8 +40,7 @@ def test_stdout_is_the_file_and_stderr_what_it_cannot_hold():
 def test_a_file_is_written_and_the_values_are_shown(tmp_path):
     """-o: the same bytes in the file, a table and the lists on stdout."""
     path = tmp_path / "imu.yaml"
-    run = call(*KALIBR, "-o", path)
-    assert run.code == 0
+    run = call(*KALIBR, "-o", path, code=0)
     assert path.read_text(encoding="utf-8") == call(*KALIBR).out
     assert_says(run.out, "gyroscope_noise_density", "1.74533e-5", "cannot hold")
     assert "written" in run.err
@@ -69,8 +67,7 @@ def test_documents_have_the_values_in_full(tmp_path):
 def test_the_residual_names_its_procedure():
     """--residual with a procedure: it is an input, and u of the later turn-on."""
     words = ("export", "hg4930#A", "--to", "psins", "--residual")
-    run = call(*words, "--procedure", "twelve-positions", "--json", "-")
-    assert run.code == 0
+    run = call(*words, "--procedure", "twelve-positions", "--json", "-", code=0)
     document = json.loads(run.out)
     assert document["inputs"]["procedure"]["name"] == "twelve-positions.yaml"
     assert document["settings"]["reference"] == "next_turn_on"
@@ -118,8 +115,8 @@ def test_a_rate_may_have_a_unit(rate):
 
 def test_a_residual_ages(tmp_path):
     """With --age the bias that is left is larger by what it goes in that time."""
-    path = tmp_path / "imu.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "imu.yaml",
         "name: a\n"
         "gyro: {errors: {bias_repeatability: 1 deg/h, bias_stability: 1 deg/h, "
         "angle_random_walk: 1 deg/sqrt(h), "
@@ -127,7 +124,6 @@ def test_a_residual_ages(tmp_path):
         "accelerometer: {errors: {bias_repeatability: 1 mg, bias_stability: 1 mg, "
         "ageing: {value: 1 mg, horizon: 1 year}, "
         "velocity_random_walk: 1 m/s/sqrt(h)}}\n",
-        encoding="utf-8",
     )
     words = ("export", path, "--to", "psins", "--residual", "--json", "-")
 

@@ -9,13 +9,11 @@ from functools import cache
 
 import pytest
 from command_line import call
-from keeping import once
 from numpy.testing import assert_allclose
-from places import TESTS
-from saying import assert_says
+from places import TESTS, put
+from reading import assert_says
 
-from budget.studies import analysis
-
+pytestmark = pytest.mark.usefixtures("analyzed_once")
 OUTAGE = ("mission", "zhao-2019", "--mission", "outage-60-s", "--no-validate")
 BENCH = ("mission", "zhao-2019", "--mission", "bench", "--no-validate", "--at", "1 h")
 LIMITS = """\
@@ -30,34 +28,16 @@ limits:
 """
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _computed_once():
-    """Compute a budget once, in however many forms it is told."""
-    compute = once(analysis.analyze_as, {})
-
-    def kept(*args, **options):
-        del options["engine"]  # its talk and its bar are for no two calls the same
-        return compute(*args, **options)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analysis, "analyze_as", kept)
-        yield
-
-
 @pytest.fixture(scope="module")
 def limits(tmp_path_factory):
     """Write a requirement on a mission."""
-    path = tmp_path_factory.mktemp("limits") / "mile.yaml"
-    path.write_text(LIMITS, encoding="utf-8")
-    return path
+    return put(tmp_path_factory.mktemp("limits") / "mile.yaml", LIMITS)
 
 
 @cache
 def answer(*args):
     """Return what a call says; that of each is asked for once."""
-    run = call(*args)
-    assert run.code == 0, run.err
-    return run
+    return call(*args, code=0)
 
 
 def document(*args):
@@ -204,8 +184,7 @@ def test_times_are_those_asked_for():
 )
 def test_a_calibration_that_is_none_offers_its_words(word, hint):
     """A slip of none or factory, as one of a shipped procedure, has its hint."""
-    run = call(*OUTAGE, "--calibration", word)
-    assert run.code == 2
+    run = call(*OUTAGE, "--calibration", word, code=2)
     assert_says(run.err, f"{word}:1:1: no such file, expected 'none', 'factory'")
     assert_says(run.err, hint)
 
@@ -227,32 +206,28 @@ def test_a_calibration_that_is_none_offers_its_words(word, hint):
 )
 def test_what_makes_no_sense_is_refused(more, said):
     """In words, with the code of a wrong call."""
-    run = call(*OUTAGE, *more)
-    assert run.code == 2
+    run = call(*OUTAGE, *more, code=2)
     assert_says(run.err, *said)
     assert not run.out
 
 
 def test_a_mission_is_not_simulated():
     """The simulation of the calibration has no noise in run."""
-    run = call(*OUTAGE, "--method", "simulation", "--trials", "2")
-    assert run.code == 2
+    run = call(*OUTAGE, "--method", "simulation", "--trials", "2", code=2)
     assert_says(run.err, "noise in run", "gum or monte-carlo")
 
 
 def test_a_limit_on_a_mission_is_not_stored_without_one(limits, tmp_path):
     """It is not lost in silence."""
     file = tmp_path / "a.json"
-    run = call("check", "--save", file, "zhao-2019", "--requirement", limits)
-    assert run.code == 2
+    run = call("check", "--save", file, "zhao-2019", "--requirement", limits, code=2)
     assert_says(run.err, "limits on a mission", "give --mission FILE")
     assert not file.exists()
 
 
 def test_one_sensor_is_no_unit():
     """A mission takes both triads."""
-    run = call("mission", "adxl357", "--mission", "bench")
-    assert run.code == 2
+    run = call("mission", "adxl357", "--mission", "bench", code=2)
     assert_says(run.err, "has no gyro", "give a second device")
 
 
@@ -317,8 +292,7 @@ def test_lines_fit_the_terminal(width, limits):
 @pytest.mark.parametrize("language", ["en", "zh"])
 def test_one_column_is_enough(language, limits):
     """A terminal one column wide shows it in its way."""
-    run = call(*OUTAGE, "--requirement", limits, "--language", language, COLUMNS="1")
-    assert run.code == 0, run.err
+    call(*OUTAGE, "--requirement", limits, "--language", language, COLUMNS="1", code=0)
 
 
 def test_shares_add_up():
@@ -331,12 +305,10 @@ def test_shares_add_up():
 @pytest.fixture(scope="module")
 def loose(tmp_path_factory):
     """Write a requirement that a unit without its expected lines is far within."""
-    path = tmp_path_factory.mktemp("loose") / "loose.yaml"
-    path.write_text(
+    return put(
+        tmp_path_factory.mktemp("loose") / "loose.yaml",
         "name: loose\nlimits:\n  mission: {position: {horizontal: 9 nmi, at: 60 s}}\n",
-        encoding="utf-8",
     )
-    return path
 
 
 def test_what_lacks_lines_conforms_in_no_row(loose):

@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 from command_line import call
-from places import ROOT
+from places import ROOT, put
 
 SECRETS = {
     "passwords": "root:s3cret:0:0:root:/root:/bin/bash\nuser:s3cret:1:1::/:/bin/sh\n",
@@ -39,14 +39,11 @@ def folder(tmp_path, monkeypatch):
 @pytest.mark.parametrize("secret", SECRETS)
 def test_nothing_of_a_file_elsewhere_is_shown(folder, kind, way, secret):
     """One line at the name, with the place in the other file; a control beside it."""
-    elsewhere = folder.parent / "elsewhere.txt"
-    elsewhere.write_text(SECRETS[secret], encoding="utf-8")
+    elsewhere = put(folder.parent / "elsewhere.txt", SECRETS[secret])
     (folder / "link.txt").symlink_to(elsewhere)
     path = {"up": "../elsewhere.txt", "whole": elsewhere, "link": "link.txt"}[way]
-    named = folder / f"{kind}.yaml"
-    named.write_text(FILES[kind].format(path=path), encoding="utf-8")
-    run = call("validate", named)
-    assert run.code == 2
+    named = put(folder / f"{kind}.yaml", FILES[kind].format(path=path))
+    run = call("validate", named, code=2)
     assert "s3cret" not in run.out + run.err
     (line,) = run.err.splitlines()
     assert line.startswith(f"{named}:1:")
@@ -60,10 +57,8 @@ def test_nothing_of_a_file_elsewhere_is_shown(folder, kind, way, secret):
 def test_a_file_of_ones_own_is_told_of_in_full(folder, kind, secret):
     """The control: in the folder or below it what was found helps to mend it."""
     (folder / "below" / "x.txt").write_text(SECRETS[secret], encoding="utf-8")
-    named = folder / f"{kind}.yaml"
-    named.write_text(FILES[kind].format(path="below/x.txt"), encoding="utf-8")
-    run = call("validate", named)
-    assert run.code == 2
+    named = put(folder / f"{kind}.yaml", FILES[kind].format(path="below/x.txt"))
+    run = call("validate", named, code=2)
     assert "x.txt:" in run.err
     assert "s3cret" in run.err
 
@@ -74,5 +69,4 @@ def test_a_recording_elsewhere_is_read(folder):
     named = folder / "mission.yaml"
     text = "{trajectory: ../flight.csv, alignment: perfect, altitude: aided}"
     named.write_text(f"mission: {text}\n", encoding="utf-8")
-    run = call("validate", named)
-    assert run.code == 0, run.err
+    call("validate", named, code=0)

@@ -7,6 +7,7 @@ import re
 
 import pytest
 from command_line import call
+from places import put
 
 from budget.cli.new import new
 from budget.errors import CallError
@@ -17,8 +18,7 @@ from budget.model.sources import SENSORS, lines_of
 def written(folder, *args):
     """Write a device file; return its path."""
     path = folder / "imu.yaml"
-    outcome = call("new", path, *args)
-    assert outcome.code == 0, outcome.err
+    call("new", path, *args, code=0)
     return path
 
 
@@ -60,18 +60,15 @@ def test_every_line_is_there_to_be_filled_in(sensor, line, tmp_path):
     blank = re.compile(rf"^    # ({line.name}: .*)$", re.MULTILINE)
     assert len(blank.findall(tail)) >= 1
     tail = re.sub(r"^  errors: \{\}.*$", "  errors:", tail, count=1, flags=re.MULTILINE)
-    other = next(one for one in SENSORS if one != sensor)
+    next(one for one in SENSORS if one != sensor)
     for number, code in (("1", 0), ("___", 2)):
         filled = blank.sub(
             lambda found, number=number: "    " + found[1].replace("___", number),
             tail,
             count=1,
         )
-        path = tmp_path / f"{code}.yaml"
-        # The other sensor is blank still.
-        path.write_text(f"{head}\n{sensor}:\n{filled}", encoding="utf-8")
-        outcome = call("validate", path)
-        assert outcome.code == code, (other, outcome.err)
+        path = put(tmp_path / f"{code}.yaml", f"{head}\n{sensor}:\n{filled}")
+        call("validate", path, code=code)
 
 
 def test_without_a_terminal_and_lines_it_is_a_template(tmp_path):
@@ -86,10 +83,8 @@ def test_without_a_terminal_and_lines_it_is_a_template(tmp_path):
 
 def test_a_file_is_not_lost(tmp_path):
     """One that is there stays, unless --force is given."""
-    path = tmp_path / "imu.yaml"
-    path.write_text("mine", encoding="utf-8")
-    outcome = call("new", path)
-    assert outcome.code == 2
+    path = put(tmp_path / "imu.yaml", "mine")
+    outcome = call("new", path, code=2)
     assert "--force" in outcome.err
     assert path.read_text("utf-8") == "mine"
     assert call("new", path, "--force").code == 0
@@ -112,8 +107,7 @@ def test_a_file_is_not_lost(tmp_path):
 )
 def test_nonsense_is_refused_as_in_a_file(given, said, tmp_path):
     """Exit 2 with the error that the file would have, and no file."""
-    outcome = call("new", tmp_path / "imu.yaml", "--line", given)
-    assert outcome.code == 2
+    outcome = call("new", tmp_path / "imu.yaml", "--line", given, code=2)
     assert said in outcome.err
     assert list(tmp_path.iterdir()) == []
 
@@ -121,15 +115,13 @@ def test_nonsense_is_refused_as_in_a_file(given, said, tmp_path):
 def test_a_line_given_twice_is_refused(tmp_path):
     """Neither of the two is taken in silence."""
     one = ("--line", "gyro.bias_stability=1 deg/h")
-    outcome = call("new", tmp_path / "imu.yaml", *one, *one)
-    assert outcome.code == 2
+    outcome = call("new", tmp_path / "imu.yaml", *one, *one, code=2)
     assert "given twice" in outcome.err
 
 
 def test_a_name_that_is_no_yaml_is_refused(tmp_path):
     """A device file has the suffix that others look for."""
-    outcome = call("new", tmp_path / "imu.txt")
-    assert outcome.code == 2
+    outcome = call("new", tmp_path / "imu.txt", code=2)
     assert ".yaml" in outcome.err
 
 
@@ -181,7 +173,6 @@ def test_answers_that_end_write_nothing(tmp_path, monkeypatch):
 @pytest.mark.parametrize("option", ["--name", "--source"])
 def test_a_name_on_two_lines_is_refused(option, tmp_path):
     """A file is not broken by what is put into it."""
-    outcome = call("new", tmp_path / "imu.yaml", option, "a\nb: c")
-    assert outcome.code == 2
+    outcome = call("new", tmp_path / "imu.yaml", option, "a\nb: c", code=2)
     assert "on one line" in outcome.err
     assert list(tmp_path.iterdir()) == []

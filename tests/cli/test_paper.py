@@ -9,7 +9,7 @@ import re
 
 import pytest
 from command_line import call
-from document_text import on_terminal
+from reading import on_terminal
 
 from zhao_2019 import study as computing
 from zhao_2019.figures import print_ratio
@@ -131,8 +131,7 @@ def test_page_needs_nothing_else_and_has_the_figures(tmp_path):
 def test_bad_calls_are_refused_before_work(tmp_path, monkeypatch, options, message):
     """A call that cannot be meant is exit 2 with a reason, and nothing is written."""
     monkeypatch.chdir(tmp_path)
-    run = call("paper", *options)
-    assert run.code == 2
+    run = call("paper", *options, code=2)
     assert message in run.err
     assert not list(tmp_path.iterdir())
 

@@ -10,7 +10,8 @@ from html import unescape
 
 import pytest
 from command_line import call
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget import load_catalogue, load_device
 from budget.cli import app
@@ -55,9 +56,7 @@ def edited(tmp_path, monkeypatch):
     file = shipped("specs") / "devices" / "zhao-2019.yaml"
     text = file.read_text(encoding="utf-8")
     assert text.count("0.04 deg/h") == 1
-    path = tmp_path / "zhao-2019.yaml"
-    path.write_text(text.replace("0.04 deg/h", "0.02 deg/h"), encoding="utf-8")
-    return path
+    return put(tmp_path / "zhao-2019.yaml", text.replace("0.04 deg/h", "0.02 deg/h"))
 
 
 @cache
@@ -144,8 +143,7 @@ def test_a_difference_is_that_to_an_edited_file(edited):
         ("zhao-2019", "zhao-2019", "--set", CHANGE),
         ("zhao-2019", "zhao-2019", "--set", f"zhao-2019:{CHANGE}"),
     ):
-        run = call("diff", *words, "--json", "-")
-        assert run.code == 0
+        run = call("diff", *words, "--json", "-", code=0)
         assert moved(run.document) == moved(by_hand)
         assert run.document["first"] == "zhao-2019"
         assert run.document["second"] == "zhao-2019, changed"
@@ -166,8 +164,7 @@ def test_a_difference_is_that_to_an_edited_file(edited):
 def test_a_reference_keeps_the_change(tmp_path, monkeypatch, edited):
     """It is checked with the change, also where the file says something else by now."""
     monkeypatch.chdir(tmp_path)
-    save = call("check", "--save", "changed.json", edited.name, "--set", CHANGE)
-    assert save.code == 0, save.err
+    call("check", "--save", "changed.json", edited.name, "--set", CHANGE, code=0)
     stored = json.loads((tmp_path / "changed.json").read_text(encoding="utf-8"))
     assert stored["inputs"][0]["changes"] == [CHANGE]
     assert call("check", "changed.json").code == 0
@@ -185,11 +182,11 @@ def test_a_reference_keeps_the_change(tmp_path, monkeypatch, edited):
 def test_a_comparison_keeps_the_change_of_one_variant(tmp_path, monkeypatch):
     """Variants of a file are stored together; a change finds its own."""
     monkeypatch.chdir(tmp_path)
-    run = call(
+    call(
         *("check", "--save", "a.json", "hg4930", "--kind", "compare"),
         *("--requirement", "catalogue-edge", "--set", f"#A:{CHANGE}"),
+        code=0,
     )
-    assert run.code == 0, run.err
     text = (tmp_path / "a.json").read_text(encoding="utf-8")
     subjects = {one["subject"] for one in json.loads(text)["numbers"]}
     devices = {name.rpartition(" ")[0] for name in subjects if " " in name}
@@ -201,12 +198,10 @@ def test_a_comparison_keeps_the_change_of_one_variant(tmp_path, monkeypatch):
 
 def test_validity_is_that_of_the_changed_device():
     """What is wrong in a change is said as of the file; what is right is assumed."""
-    run = call("validate", "zhao-2019", "hg4930#A", "--set", f"#A:{CHANGE}")
-    assert run.code == 0
+    run = call("validate", "zhao-2019", "hg4930#A", "--set", f"#A:{CHANGE}", code=0)
     assert_says(run.out, "zhao-2019: device, valid", "hg4930#A: device, valid")
     assert run.out.count("by --set") == 1
-    run = call("validate", "zhao-2019", "--set", "gyro.bias_stability=0.02 deg")
-    assert run.code == 2
+    run = call("validate", "zhao-2019", "--set", "gyro.bias_stability=0.02 deg", code=2)
     assert_says(run.err, "--set gyro.bias_stability", "an angle", "deg/h")
 
 

@@ -9,7 +9,8 @@ import pytest
 from command_line import call
 from keeping import once
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.studies import stations
 
@@ -28,18 +29,15 @@ def _computed_once():
 @pytest.fixture
 def at_a_table(tmp_path):
     """Write a procedure with a station of its own."""
-    path = tmp_path / "lab.yaml"
-    path.write_text(
+    return put(
+        tmp_path / "lab.yaml",
         "name: lab\nlatitude: 34.2394 deg\nstation: three-axis-table\n",
-        encoding="utf-8",
     )
-    return path
 
 
 def test_some_station_does_and_the_code_is_0():
     """The table does at 4:1; the plate with its cube does not in full."""
-    run = call(*TACTICAL, "--json", "-")
-    assert run.code == 0, run.err
+    run = call(*TACTICAL, "--json", "-", code=0)
     verdicts = {one["file"]: one["verdict"] for one in run.document["stations"]}
     assert verdicts["three-axis-table.yaml"] == "does"
     assert verdicts["ideal.yaml"] == "no figures"
@@ -49,8 +47,7 @@ def test_some_station_does_and_the_code_is_0():
 
 def test_no_station_does_and_the_code_is_1():
     """At 4:1 of the navigation grade; the headline names the nearest and why."""
-    run = call(*HARD, "--full")
-    assert run.code == 1, run.err
+    run = call(*HARD, "--full", code=1)
     assert_says(
         run.out,
         *("no station here will do", "4:1", "good three-axis table", "724 %"),
@@ -111,8 +108,7 @@ def test_what_is_written_is_a_station_that_does(tmp_path):
     path = tmp_path / "needed.yaml"
     assert call(*HARD, "--write", path).code == 1  # none of those there does
     assert call("validate", path).code == 0
-    run = call(*HARD, "--station", path, "--json", "-")
-    assert run.code == 0, run.err
+    run = call(*HARD, "--station", path, "--json", "-", code=0)
     found = {one["file"]: one for one in run.document["stations"]}["needed.yaml"]
     assert_allclose(found["utilisation"], 1.0, rtol=1e-6)
     assert found["verdict"] == "does"
@@ -139,10 +135,8 @@ def test_an_acceptance_limit_is_printed_rounded_down():
 
 def test_a_requirement_that_limits_nothing_here_is_refused(tmp_path):
     """The requirement is named, and what would help."""
-    path = tmp_path / "r.yaml"
-    path.write_text("name: r\nlimits: {gyro: {bias: 1 deg/h}}\n", encoding="utf-8")
-    run = call(*HARD[:2], "--requirement", path, "--procedure", "six-positions")
-    assert run.code == 2
+    path = put(tmp_path / "r.yaml", "name: r\nlimits: {gyro: {bias: 1 deg/h}}\n")
+    run = call(*HARD[:2], "--requirement", path, "--procedure", "six-positions", code=2)
     assert_says(run.err, "accelerometer", "add limits")
 
 
@@ -151,8 +145,7 @@ def test_the_whole_measurement_decides_what_is_accepted(tmp_path):
 
     The verdict of the station is of its part alone, and the headline says the rest.
     """
-    path = tmp_path / "r.yaml"
-    path.write_text("name: r\nlimits: {gyro: {bias: 0.1 deg/h}}\n", encoding="utf-8")
+    path = put(tmp_path / "r.yaml", "name: r\nlimits: {gyro: {bias: 0.1 deg/h}}\n")
     run = call("station", "zhao-2019", "--requirement", path, "--full")
     assert_says(run.out, "will do", "test uncertainty ratio", "1.96:1", "Z540.3")
     line = [row for row in run.out.splitlines() if row.startswith("Gyro bias x")][-1]

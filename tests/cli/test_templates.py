@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from pdf_reading import needs_poppler, squeeze, text_of
+from reading import needs_poppler, squeeze, text_of
 
+pytestmark = pytest.mark.usefixtures("analyzed_once", "drawn_once")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "templates"
 REPORT = ("report", "stim300#5g", "--no-validate")
 FURTHER = "pages/further.md.j2"
@@ -25,8 +26,7 @@ def own(tmp_path):
 def test_a_company_has_its_letterhead_style_and_words(own, tmp_path):
     """In HTML and PDF; the page loads nothing, and without the option it is as ever."""
     html, pdf, bare = (tmp_path / name for name in ("x.html", "x.pdf", "y.html"))
-    found = call(*REPORT, "--templates", str(own), "-o", str(html), "-o", str(pdf))
-    assert found.code == 0, found.err
+    call(*REPORT, "--templates", str(own), "-o", str(html), "-o", str(pdf), code=0)
     assert call(*REPORT, "-o", str(bare)).code == 0
     page, plain = (path.read_text("utf-8") for path in (html, bare))
     assert 'src="data:image/svg+xml;base64,' in page
@@ -49,8 +49,7 @@ def test_a_block_of_the_page_and_a_page_of_a_section_are_overridden(own, tmp_pat
         encoding="utf-8",
     )
     html = tmp_path / "x.html"
-    found = call(*REPORT, "--templates", str(own), "-o", str(html))
-    assert found.code == 0, found.err
+    call(*REPORT, "--templates", str(own), "-o", str(html), code=0)
     assert " & own</p>" in html.read_text("utf-8")
 
 
@@ -61,8 +60,7 @@ def test_a_macro_that_a_page_of_ones_own_lacks_is_told(own, tmp_path, page, lack
     """Whether another page or the program asks for it; nothing is written."""
     (own / "pages" / f"{page}.md.j2").write_text("{% macro x() %}{% endmacro %}")
     html = tmp_path / "x.html"
-    found = call(*REPORT, "--templates", str(own), "-o", str(html))
-    assert found.code == 2
+    found = call(*REPORT, "--templates", str(own), "-o", str(html), code=2)
     assert lacks in found.err
     assert page in found.err
     assert "mend this template" in found.err
@@ -76,8 +74,7 @@ def test_a_target_of_ones_own_is_exported(own):
     text = shipped.read_text("utf-8").replace("kalibr", "own")
     (own / "export" / "own.yaml.j2").write_text(text, encoding="utf-8")
     words = ("export", "stim300#5g", "--to", "own", "--rate", "200")
-    mine = call(*words, "--templates", str(own))
-    assert mine.code == 0, mine.err
+    mine = call(*words, "--templates", str(own), code=0)
     assert "accelerometer_noise_density" in mine.out
     assert call(*words).code == 2
 
@@ -120,12 +117,10 @@ def test_letters_that_are_none_and_a_folder_that_is_not_there_are_told(own, tmp_
     """As any other file that cannot be read."""
     html = tmp_path / "x.html"
     (own / FURTHER).write_bytes(b"\xff\xfe words")
-    found = call(*REPORT, "--templates", str(own), "-o", str(html))
-    assert found.code == 2
+    found = call(*REPORT, "--templates", str(own), "-o", str(html), code=2)
     assert "not UTF-8" in found.err
     for folder in (tmp_path / "nowhere", own / "logo.svg"):
-        found = call(*REPORT, "--templates", str(folder), "-o", str(html))
-        assert found.code == 2
+        found = call(*REPORT, "--templates", str(folder), "-o", str(html), code=2)
         assert "no folder of templates is there" in found.err
     assert not html.exists()
 

@@ -7,7 +7,8 @@ import json
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 import budget
 from budget.errors import CallError, SpecError
@@ -26,9 +27,7 @@ def files(tmp_path_factory):
     folder = tmp_path_factory.mktemp("use")
 
     def write(name, text):
-        path = folder / f"{name}.yaml"
-        path.write_text(text, encoding="utf-8")
-        return path
+        return put(folder / f"{name}.yaml", text)
 
     def requirement(name, limit, more="", use="environment: none\n"):
         on_mission = f"  mission: {{position: {{{LIMIT.format(limit=limit)}}}}}\n"
@@ -68,9 +67,7 @@ def files(tmp_path_factory):
 
 def answer(*args):
     """Run a command that is done."""
-    run = call(*args)
-    assert run.code == 0, run.err
-    return run
+    return call(*args, code=0)
 
 
 def document(*args):
@@ -143,8 +140,8 @@ def test_limits_on_a_calibration_without_a_test_are_refused(command, files, tmp_
     run = call(
         *(command, "zhao-2019", "--mission", "bench", "--requirement", files["both"]),
         *("--calibration", "factory", *page),
+        code=2,
     )
-    assert run.code == 2
     assert "gyro" in run.err
     assert "no calibration" in run.err
 
@@ -157,8 +154,7 @@ def test_what_is_of_a_test_takes_one(command, word, files, tmp_path):
         "station": ("--requirement", files["test"]),
         "report": ("-o", tmp_path / "page.html"),
     }.get(command, ())
-    run = call(command, "zhao-2019", "--calibration", word, *more)
-    assert run.code == 2
+    run = call(command, "zhao-2019", "--calibration", word, *more, code=2)
     assert "there is no test" in run.err
 
 
@@ -290,15 +286,13 @@ def test_a_sweep_follows_a_mission():
 )
 def test_what_means_nothing_is_refused(more, words):
     """In words, before anything is computed."""
-    run = call("analyze", "zhao-2019", *more)
-    assert run.code == 2
+    run = call("analyze", "zhao-2019", *more, code=2)
     assert words in " ".join(run.err.split())
 
 
 def test_an_environment_is_not_stated_twice(tmp_path):
     """One in the procedure's file and one beside it: nobody knows which is meant."""
-    file = tmp_path / "there.yaml"
-    file.write_text("name: there\nenvironment: none\n", encoding="utf-8")
+    file = put(tmp_path / "there.yaml", "name: there\nenvironment: none\n")
     with pytest.raises(SpecError, match="remove one"):
         budget.analyze("zhao-2019", calibration=file, environment=WARM, validate=False)
 
@@ -331,11 +325,11 @@ def test_the_exit_code_goes_by_the_verdict_where_asked(
 @pytest.mark.parametrize("command", ["compare", "allocate"])
 def test_conditions_are_accepted_where_asked(command, more, code, files):
     """Nobody has stated the environment: a verdict is no better than meets_if."""
-    run = call(command, "zhao-2019", "--requirement", files["anywhere"], *more)
-    assert run.code == code
+    run = call(
+        command, "zhao-2019", "--requirement", files["anywhere"], *more, code=code
+    )
     assert "its data sheet does not specify the effect" in " ".join(run.out.split())
-    stated = call(command, "zhao-2019", "--requirement", files["test"])
-    assert stated.code == 0
+    call(command, "zhao-2019", "--requirement", files["test"], code=0)
 
 
 @pytest.mark.slow
@@ -372,8 +366,9 @@ def test_conditions_stand_right_below_the_headline(files):
 @pytest.mark.parametrize("age", ["0", "0 s", "0 year"])
 def test_an_age_of_0_is_clear_with_or_without_its_unit(files, tmp_path, age):
     """On a call and in a file; both say that the unit is used right after its test."""
-    path = tmp_path / "aged.yaml"
-    path.write_text(files["anywhere"].read_text("utf-8") + f"age: {age}\n", "utf-8")
+    path = put(
+        tmp_path / "aged.yaml", files["anywhere"].read_text("utf-8") + f"age: {age}\n"
+    )
     told = [
         document("analyze", "zhao-2019", "--requirement", *more, *LAW)
         for more in ((files["anywhere"], "--age", age), (path,))
@@ -386,8 +381,9 @@ def test_an_age_of_0_is_clear_with_or_without_its_unit(files, tmp_path, age):
 
 def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
     """As any other age that a call states does."""
-    path = tmp_path / "old.yaml"
-    path.write_text(files["test"].read_text("utf-8") + "age: 1 year\n", "utf-8")
+    path = put(
+        tmp_path / "old.yaml", files["test"].read_text("utf-8") + "age: 1 year\n"
+    )
     own, other = (
         document("analyze", "zhao-2019", "--requirement", path, *more, *LAW)
         for more in ((), ("--age", "0"))
@@ -401,9 +397,9 @@ def test_an_age_of_0_on_a_call_goes_before_that_of_a_file(files, tmp_path):
 
 def test_no_environment_is_said_in_any_capitals(files, tmp_path):
     """On a call and in a file."""
-    path = tmp_path / "none.yaml"
-    path.write_text(
-        files["anywhere"].read_text("utf-8") + "environment: NONE\n", "utf-8"
+    path = put(
+        tmp_path / "none.yaml",
+        files["anywhere"].read_text("utf-8") + "environment: NONE\n",
     )
     for more in ((files["anywhere"], "--environment", "None"), (path,)):
         found = document("analyze", "zhao-2019", "--requirement", *more, *LAW)
@@ -424,20 +420,19 @@ def test_an_environment_that_is_none_is_refused_by_what_is_allowed(files, text, 
     run = call(
         *("analyze", "zhao-2019", "--requirement", files["anywhere"]),
         *("--environment", text),
+        code=2,
     )
-    assert run.code == 2
     assert_says(run.err, "expected the one word none, or temperature and vibration")
     assert found in run.err
 
 
 def test_a_list_is_no_environment_of_a_file(files, tmp_path):
     """It is told as a person wrote it."""
-    path = tmp_path / "list.yaml"
-    path.write_text(
-        files["anywhere"].read_text("utf-8") + "environment: [a, b]\n", "utf-8"
+    path = put(
+        tmp_path / "list.yaml",
+        files["anywhere"].read_text("utf-8") + "environment: [a, b]\n",
     )
-    run = call("analyze", "zhao-2019", "--requirement", path)
-    assert run.code == 2
+    run = call("analyze", "zhao-2019", "--requirement", path, code=2)
     assert_says(run.err, "environment: found a list, expected none, or a mapping")
 
 
@@ -463,8 +458,7 @@ def test_a_procedure_and_its_station_that_state_different_uses_are_refused(
     station = tmp_path / "hut.yaml"
     size = one if is_same else other
     station.write_text(STATION + of_station.format(size), encoding="utf-8")
-    test = tmp_path / "test.yaml"
-    test.write_text(f"name: a test\n{of_test.format(one)}", encoding="utf-8")
+    test = put(tmp_path / "test.yaml", f"name: a test\n{of_test.format(one)}")
     given = ("analyze", "zhao-2019", "--procedure", test, "--station", station, *LAW)
     run = call(*given)
     assert run.code == (0 if is_same else 2), run.err

@@ -14,6 +14,7 @@ import yaml
 from command_line import call
 from numpy.testing import assert_allclose
 from places import DOCS, ROOT
+from reference_examples import computing_once
 
 from budget.model.sources import SOURCES
 from budget.studies.export.template import targets
@@ -117,6 +118,7 @@ def say(line):
     return call(*words[1:])
 
 
+computed_once = pytest.fixture(scope="module")(computing_once)
 SHIPPED_HOLD = "$ budget check"
 
 
@@ -136,6 +138,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("computed_once")
 def test_console_examples_run(folder):
     """Every line of the page is exit code 0, in the order of the page."""
     first, *lines = [line for block in blocks("console") for line in block.splitlines()]
@@ -153,6 +156,7 @@ def test_console_examples_run(folder):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("computed_once")
 def test_the_job_does_what_the_page_says(folder):
     """Its last step passes; after the edit of the page it fails and says why."""
     (job,) = blocks("yaml")
@@ -249,6 +253,7 @@ def test_links_between_pages_lead_somewhere():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("variates_once", "computed_once")
 def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     """Each command does what is shown of it; the report's own tests write the pages."""
     monkeypatch.chdir(tmp_path)
@@ -258,6 +263,7 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("variates_once")
 @pytest.mark.parametrize("name", ["verdicts.md", "aided.md"])
 def test_worked_sheets_run_to_the_letter(name, tmp_path, monkeypatch):
     """Each file under its name, each command with what is shown of it."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 import subprocess
 
-from pdf_reading import needs_poppler
 from places import DOCS
+from reading import needs_poppler
 
 PAGES = 8  # of the example, with its allocation
 HALF = 0.5  # of the height between head and foot

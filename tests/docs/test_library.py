@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from command_line import analyze
 from numpy.testing import assert_allclose
-from places import ROOT
+from places import ROOT, put
 
 import budget
 from budget.studies.decide import decide
@@ -149,8 +149,7 @@ SHEET = {
 def test_a_device_of_a_dict_is_that_of_the_file(tmp_path):
     """A dict is read as a file with its keys is, and hashed as its JSON."""
     text = json.dumps(SHEET, indent=1, ensure_ascii=False)
-    file = tmp_path / "mine.yaml"
-    file.write_text(text, encoding="utf-8")
+    file = put(tmp_path / "mine.yaml", text)
     one, other = budget.load_device(SHEET), budget.load_device(file)
 
     assert one.name == other.name
@@ -234,8 +233,7 @@ def test_a_replaced_value_is_named():
 
 def test_a_file_that_changed_on_disk_does_not_count(tmp_path):
     """What is replaced is a value of the text that was read."""
-    file = tmp_path / "mine.yaml"
-    file.write_text(json.dumps(SHEET), encoding="utf-8")
+    file = put(tmp_path / "mine.yaml", json.dumps(SHEET))
     device = budget.load_device(file)
     file.write_text("name: Another", encoding="utf-8")
 

@@ -7,7 +7,7 @@ from html import unescape
 
 import pytest
 from command_line import call
-from pdf_reading import needs_poppler, squeeze, text_of
+from reading import needs_poppler, squeeze, text_of
 
 from budget.report.blocks import Abreast, Picture, Table, drawn
 from budget.report.document import json_text
@@ -235,6 +235,5 @@ def test_figures_of_the_pdf_have_words(pdf):
 
 def test_all_files_or_none(tmp_path):
     """Where one file cannot be written the other is not either."""
-    run = call("paper", "-o", tmp_path / "a.pdf", "-o", tmp_path / "none" / "a.html")
-    assert run.code == 2
+    call("paper", "-o", tmp_path / "a.pdf", "-o", tmp_path / "none" / "a.html", code=2)
     assert not list(tmp_path.iterdir())

@@ -22,14 +22,12 @@ from failing import (
     said,
 )
 from forked import ASKED, keep_computed
+from places import put
 
 pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="faults of POSIX systems"),
     pytest.mark.usefixtures("drawn_once", "computed_once"),
 ]
-
-# Both tests of one command follow each other: what it computes is computed once.
-every_command = pytest.mark.parametrize("name", WRITING, scope="module")
 
 NOBODY = 65_534  # user and group without rights
 ADDRESS_SPACE = 500 << 20  # [bytes] libraries take 350 MB, 2e6 trials 384
@@ -65,7 +63,7 @@ def small_files(most):
 
 
 @pytest.mark.slow
-@every_command
+@pytest.mark.parametrize("name", WRITING)
 def test_a_limit_on_the_size_of_files(name, tmp_path):
     """A disk that takes 2 kB of a file: exit 2, the old files whole, no scraps."""
     for path in ("a.json", "a.csv", "a.html", "a.pdf"):
@@ -99,7 +97,7 @@ def small_disk(folder, options):
 
 
 @pytest.mark.slow
-@every_command
+@pytest.mark.parametrize("name", ["analyze", "export", "new", "paper"])  # all formats
 def test_a_full_disk(name, tmp_path):
     """A disk of 8 kB: exit 2, the message names the file, old files are whole."""
     with small_disk(tmp_path / "disk", "size=8k") as disk:
@@ -133,8 +131,7 @@ def test_a_user_without_rights(tmp_path):
     powerless = ["capsh", drop, "--", "-c", 'exec "$@"', "bash"]
     folder = tmp_path / "another's"
     folder.mkdir()
-    secret = folder / "secret.yaml"
-    secret.write_text(FOREIGN, encoding="utf-8")
+    secret = put(folder / "secret.yaml", FOREIGN)
     secret.chmod(0o600)
     try:
         for path in (secret, folder):

@@ -11,6 +11,7 @@ from fuzz.effort import examples
 from fuzz.grammar import FIXED, NUMBERS, leaves, random_of, replaced, trees, write
 from hypothesis import given
 from hypothesis import strategies as st
+from places import put
 
 import budget
 from budget.errors import BudgetError
@@ -40,8 +41,7 @@ def stretched(tree, seed):
 def loaded(load, tree, seed):
     """Return the record of a tree, or None where it is refused."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "file.yaml"
-        path.write_text(write(tree, seed).text, encoding="utf-8")
+        path = put(Path(folder) / "file.yaml", write(tree, seed).text)
         try:
             return load(path)
         except BudgetError:

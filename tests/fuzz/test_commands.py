@@ -68,8 +68,7 @@ def test_every_command_refuses_a_hostile_file_in_words(command, tmp_path, monkey
     told = FILE if command in REFERENCES else PLACE
     for name, data in HOSTILE.items():
         (tmp_path / "bad.yaml").write_bytes(data)
-        run = call(*command.replace("FILE", "bad.yaml").split())
-        assert run.code == 2, (name, run)
+        run = call(*command.replace("FILE", "bad.yaml").split(), code=2)
         assert told.search(run.err), (name, run.err)
         assert "Traceback" not in run.err, name
         assert run.out == "" or command == "check FILE", (name, run.out)

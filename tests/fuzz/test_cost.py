@@ -10,6 +10,7 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from places import put
 
 COST = Path(__file__).parent / "cost.py"
 CAP = 64 * 1024  # bytes of a file
@@ -245,8 +246,7 @@ def test_steps_and_memory_are_measured(tmp_path):
     text = COST.read_text(encoding="utf-8")
     first = '    """Return how many issues a file has."""\n'
     assert first in text
-    script = tmp_path / "greedy.py"
-    script.write_text(text.replace(first, first + begins), encoding="utf-8")
+    script = put(tmp_path / "greedy.py", text.replace(first, first + begins))
     (found,) = costs(script, ["zhao-2019"]).values()
     assert found["steps"] > MOST_STEPS
     assert found["bytes"] > MOST_BYTES

@@ -11,9 +11,8 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
-from places import EXAMPLE, PACKAGE, SHIPPED, TESTS
-from saying import assert_says
-from sources import nodes_of
+from places import EXAMPLE, PACKAGE, SHIPPED, TESTS, nodes_of
+from reading import assert_says
 
 # From the ground up. A module imports from lower floors, or within its own room;
 # rooms on one floor do not know each other.

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from places import ROOT, SHIPPED
-from sources import nodes_of
+from places import ROOT, SHIPPED, nodes_of, put
 from watching import CALLS, watch
 
 from budget.cli import app
@@ -126,12 +125,11 @@ def test_nothing_turns_data_into_code():
 
 def test_the_search_for_code_can_fail(tmp_path):
     """Control: each of these is found."""
-    bad = tmp_path / "bad.py"
-    bad.write_text(
+    bad = put(
+        tmp_path / "bad.py",
         "import pickle\nimport os\nimport yaml\nfrom yaml import load_all\n\n\n"
         "def f(x):\n    os.system(x)\n    yaml.load(x, yaml.Loader)\n"
         "    yaml.parse(x, yaml.SafeLoader)\n    return eval(x)\n",
-        encoding="utf-8",
     )
     assert set(code_from_data(bad)) == {
         *("pickle", "os.system", "eval"),
@@ -196,16 +194,17 @@ NAMES = {
 def test_a_hostile_name_is_only_a_name(name, tmp_path):
     """What a device is called is shown as it stands, in text, page, PDF and JSON."""
     text = NAMES[name]
-    device = tmp_path / "d.yaml"
-    device.write_text(HOSTILE.format(name=text), encoding="utf-8")
-    run = call("analyze", device, "--no-validate", "--json", tmp_path / "a.json")
-    assert run.code == 0, run.err
+    device = put(tmp_path / "d.yaml", HOSTILE.format(name=text))
+    run = call(
+        "analyze", device, "--no-validate", "--json", tmp_path / "a.json", code=0
+    )
     plain = text.replace('\\"', '"').replace("\\\\", "\\")
     assert plain in " ".join(run.out.split())
 
     page = tmp_path / "a.html"
-    run = call("report", device, "--no-validate", "-o", page, "-o", tmp_path / "a.pdf")
-    assert run.code == 0, run.err
+    run = call(
+        "report", device, "--no-validate", "-o", page, "-o", tmp_path / "a.pdf", code=0
+    )
     html = page.read_text(encoding="utf-8")
     assert "1337" not in html.replace("#", "") or name != "jinja"
     assert "<script>alert" not in html
@@ -223,6 +222,5 @@ def test_files_beside_the_user_are_no_templates(tmp_path, monkeypatch):
         own.parent.mkdir(parents=True, exist_ok=True)
         own.write_text("taken over", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    run = call("report", "--no-validate", "-o", "a.html")
-    assert run.code == 0, run.err
+    call("report", "--no-validate", "-o", "a.html", code=0)
     assert "taken over" not in (tmp_path / "a.html").read_text(encoding="utf-8")

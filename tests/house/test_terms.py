@@ -8,8 +8,7 @@ import re
 from collections import Counter
 
 import pytest
-from places import DOCS, PACKAGE, ROOT, SHIPPED
-from sources import nodes_of
+from places import DOCS, PACKAGE, ROOT, SHIPPED, nodes_of, put
 
 import budget
 from budget.cli import app
@@ -82,8 +81,10 @@ def test_help_and_docstrings_of_what_is_public():
 
 def test_a_vague_verb_is_seen(tmp_path):
     """Control: in a string and in prose; not in a docstring or in code."""
-    path = tmp_path / "x.py"
-    path.write_text('"""It holds."""\nX = f"{1} makes {2} of u"\nY = "a=b holds"\n')
+    path = put(
+        tmp_path / "x.py",
+        '"""It holds."""\nX = f"{1} makes {2} of u"\nY = "a=b holds"\n',
+    )
     assert [one for text in written(path) for one in vague(text)] == [" makes "]
     assert vague(CODE.sub("", "it `holds`\n```\nmakes\n```\n")) == []
     assert vague("which causes it") == ["which causes it"]

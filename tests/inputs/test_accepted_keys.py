@@ -17,7 +17,7 @@ from command_line import call
 from fuzz.grammar import replaced
 from fuzz.keys import KEYS, TABLE, Key, is_of_use, silent
 from jsonschema import Draft202012Validator
-from places import ROOT
+from places import ROOT, put
 
 import budget
 from budget.aiding import journey_of
@@ -338,8 +338,7 @@ def untested_file(tree):
 def printed(tree):
     """Return what `budget devices` shows of a file."""
     with TemporaryDirectory() as folder:
-        path = Path(folder) / "file.yaml"
-        path.write_text(json.dumps(tree), encoding="utf-8")
+        path = put(Path(folder) / "file.yaml", json.dumps(tree))
         return call("devices", path).out
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget import load_device
 from budget.errors import CallError, SpecError
@@ -36,9 +37,7 @@ variants:
 @pytest.fixture
 def path(tmp_path):
     """Provide a device file."""
-    file = tmp_path / "mine.yaml"
-    file.write_text(FILE, encoding="utf-8")
-    return file
+    return put(tmp_path / "mine.yaml", FILE)
 
 
 def gyro(path, *changes, line="bias_repeatability"):

@@ -7,6 +7,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import load_device
@@ -717,8 +718,7 @@ def test_what_has_a_size_is_not_exact(gyro):
 
 def test_a_sensor_without_lines_gives_none(tmp_path):
     """Everything is not given, and what a verdict needs is said; noise is one line."""
-    path = tmp_path / "bare.yaml"
-    path.write_text("name: x\naccelerometer: {}\n")
+    path = put(tmp_path / "bare.yaml", "name: x\naccelerometer: {}\n")
     sensor = load_device(path).accelerometer
     assert sensor.lines == ()
     assert sensor.not_given == tuple(
@@ -746,10 +746,10 @@ def test_either_noise_line_is_the_expected_one(gyro, noise):
 
 def test_nominal_values_by_axis_and_their_zeros(tmp_path):
     """An unnamed axis is 0, may be negative where named, and the zero is said."""
-    path = tmp_path / "nominal.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "nominal.yaml",
         "name: x\ngyro: {nominal: {bias: {x: -1 deg/h, z: 2 deg/h}, "
-        "mounting_angle: {zy: -3 arcsec}}}\naccelerometer: {}\n"
+        "mounting_angle: {zy: -3 arcsec}}}\naccelerometer: {}\n",
     )
     device = load_device(path)
     assert_allclose(
@@ -767,11 +767,11 @@ def test_nominal_values_by_axis_and_their_zeros(tmp_path):
 
 def test_gravity_unit_rules_g_in_its_file_only(tmp_path):
     """A maker's own g scales mg and ug; the next file has the standard one again."""
-    path = tmp_path / "own.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "own.yaml",
         "name: x\ngravity_unit: 9.80708 m/s^2\naccelerometer:\n"
         "  nominal: {bias: 1 mg}\n"
-        "  errors: {bias_repeatability: 1 ug, velocity_random_walk: 1 m/s/sqrt(h)}\n"
+        "  errors: {bias_repeatability: 1 ug, velocity_random_walk: 1 m/s/sqrt(h)}\n",
     )
     sensor = load_device(path).accelerometer
     assert_allclose(sensor.nominal_bias, [9.80708e-3] * 3, rtol=1e-15)
@@ -783,14 +783,13 @@ def test_gravity_unit_rules_g_in_its_file_only(tmp_path):
 
 def test_what_no_model_uses_is_kept_as_printed(tmp_path):
     """Figures beyond the model lines, and texts about the device, are handed on."""
-    path = tmp_path / "texts.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "texts.yaml",
         "format: budget-device/1\nname: x\nvendor: V\nprice: 5000 EUR\n"
         "notes: |\n  two\n  lines\n"
         "figures:\n- {name: g-sensitivity, value: 1 deg/h/g, meaning: '1 \u03c3', "
         "condition: static, source: p. 3}\n"
         "gyro: {}\n",
-        encoding="utf-8",
     )
     device = load_device(path)
     assert (device.vendor, device.price, device.mass) == ("V", "5000 EUR", "")
@@ -802,13 +801,12 @@ def test_what_no_model_uses_is_kept_as_printed(tmp_path):
 
 def test_what_does_not_go_together_is_said_at_once(tmp_path):
     """Each thing at its key; a time beside a 0 that is meant is none of them."""
-    path = tmp_path / "d.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "d.yaml",
         "name: d\ngyro:\n  errors:\n    bias_stability: {value: 0 deg/h, "
         "meaning: exact, correlation_time: 300 s}\n    angle_random_walk: "
         "{value: 1 deg/sqrt(h), "
         "density: one-sided, meaning: exact}\n",
-        encoding="utf-8",
     )
     with pytest.raises(SpecError) as error:
         load_device(path)

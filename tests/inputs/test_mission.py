@@ -11,7 +11,7 @@ from math import radians
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from places import ROOT
+from places import ROOT, put
 
 from budget.errors import SpecError
 from budget.inputs import load_mission, validate
@@ -554,8 +554,7 @@ def test_shipped_missions_are_read_by_name(path):
 
 def test_a_mission_is_one_by_its_key(tmp_path):
     """Files of other kinds are refused where a mission is wanted, in words."""
-    path = tmp_path / "m.yaml"
-    path.write_text(json.dumps({"latitude": "45 deg"}), encoding="utf-8")
+    path = put(tmp_path / "m.yaml", json.dumps({"latitude": "45 deg"}))
     with pytest.raises(SpecError, match="procedure file, expected a mission file"):
         load_mission(path)
     with pytest.raises(SpecError, match="bench"):

@@ -6,6 +6,7 @@ from math import pi
 
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import load_procedure
@@ -19,8 +20,7 @@ def procedure(tmp_path):
     """Return a function that reads a procedure from its text."""
 
     def read(text):
-        path = tmp_path / "mine.yaml"
-        path.write_text(text)
+        path = put(tmp_path / "mine.yaml", text)
         return load_procedure(path)
 
     return read

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from jsonschema import Draft202012Validator
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.errors import SpecError
 from budget.inputs import load_device

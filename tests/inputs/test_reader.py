@@ -7,6 +7,7 @@ from unittest.mock import patch
 
 import pytest
 import yaml
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import composer, load_device, load_procedure, validate
@@ -327,8 +328,8 @@ def test_line_breaks_of_other_systems_count_as_one(tmp_path):
 
 def test_all_issues_come_at_once_in_the_order_of_the_file(tmp_path):
     """YAML slips, unknown keys, units and contradictions are reported together."""
-    path = tmp_path / "bad.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "bad.yaml",
         "name: !!str x\n"
         "nam: y\n"
         "gyro:\n"
@@ -338,7 +339,7 @@ def test_all_issues_come_at_once_in_the_order_of_the_file(tmp_path):
         "    sample_noise: 2 deg/h\n"
         "accelerometer:\n"
         "  errors: {bias_repeatability: {value: 1 ug, meaning: max, "
-        "distribution: normal}}\n"
+        "distribution: normal}}\n",
     )
     with pytest.raises(SpecError) as caught:
         validate(path)
@@ -375,8 +376,7 @@ def test_a_tab_after_a_colon_is_a_space():
 
 def test_what_is_no_sound_yaml_is_reported_once(tmp_path):
     """An alias leaves no value behind, and no second message about that."""
-    path = tmp_path / "bad.yaml"
-    path.write_text("name: *a\ngyro: {}\n")
+    path = put(tmp_path / "bad.yaml", "name: *a\ngyro: {}\n")
     with pytest.raises(SpecError) as caught:
         validate(path)
     assert len(caught.value.issues) == 1
@@ -401,8 +401,7 @@ def test_a_file_that_is_none_is_refused(name, words):
 
 def test_a_file_of_another_kind_names_the_key_that_says_so(tmp_path):
     """A procedure given as a device is refused at the key that makes it one."""
-    path = tmp_path / "procedure.yaml"
-    path.write_text("name: x\ngyro: {dwell: 5 s}\n")
+    path = put(tmp_path / "procedure.yaml", "name: x\ngyro: {dwell: 5 s}\n")
     with pytest.raises(SpecError, match=r":2:8: gyro.dwell: .*a procedure file, exp"):
         load_device(path)
     with pytest.raises(SpecError, match="a device file, expected a procedure file"):
@@ -411,8 +410,7 @@ def test_a_file_of_another_kind_names_the_key_that_says_so(tmp_path):
 
 def test_the_same_bytes_are_parsed_once_and_others_again(tmp_path):
     """A file that is named again costs no parser; one that was written anew does."""
-    path = tmp_path / "d.yaml"
-    path.write_text("name: first\ngyro: {}\n", encoding="utf-8")
+    path = put(tmp_path / "d.yaml", "name: first\ngyro: {}\n")
     with patch("budget.inputs.reader.compose", wraps=compose) as composed:
         assert load_device(path).name == load_device(path).name == "first"
         path.write_text("name: second\ngyro: {}\n", encoding="utf-8")

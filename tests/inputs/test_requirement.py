@@ -6,6 +6,7 @@ from math import pi
 
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import load_costs, load_requirement, validate
@@ -22,9 +23,7 @@ def write(tmp_path):
     """Return a function that writes a file."""
 
     def write(text):
-        path = tmp_path / "file.yaml"
-        path.write_text(text)
-        return path
+        return put(tmp_path / "file.yaml", text)
 
     return write
 

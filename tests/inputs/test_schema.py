@@ -7,6 +7,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from places import put
 
 from budget.errors import CallError
 from budget.inputs import json_schema, validate
@@ -27,8 +28,7 @@ def values(node):
 
 def document(text, tmp_path):
     """Return the values of a text as an editor has them."""
-    path = Path(tmp_path) / "file.yaml"
-    path.write_text(text, encoding="utf-8")
+    path = put(Path(tmp_path) / "file.yaml", text)
     return values(plain(read(path, "file").root))
 
 

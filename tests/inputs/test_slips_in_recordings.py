@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.earth import meridian_radius, normal_radius
 from budget.inputs import load_mission
@@ -97,8 +98,10 @@ def said(tmp_path):
         rows = zip(*columns.values(), strict=True)
         lines = [",".join(f"{one:.12g}" for one in row) for row in rows]
         (tmp_path / "t.csv").write_text("\n".join([heads, *lines]) + "\n")
-        path = tmp_path / "m.yaml"
-        path.write_text("format: budget-mission/1\nmission: {trajectory: t.csv}\n")
+        path = put(
+            tmp_path / "m.yaml",
+            "format: budget-mission/1\nmission: {trajectory: t.csv}\n",
+        )
         return of_no_vehicle(load_mission(path))
 
     return of

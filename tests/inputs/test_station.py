@@ -7,6 +7,7 @@ import json
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import CallError, SpecError
 from budget.inputs import (
@@ -134,8 +135,7 @@ def test_every_command_takes_a_station_and_says_its_file():
             found.append(json.loads(run.out))
         assert found[0] != found[1]
         assert "ours.yaml" in json.dumps(found[1]["inputs"]), command
-    run = call("analyze", "--station", "nowhere.yaml")
-    assert run.code == 2
+    run = call("analyze", "--station", "nowhere.yaml", code=2)
     assert "three-axis-table" in run.err
     assert "--station" in call("report", "--help").out
 
@@ -146,8 +146,9 @@ def test_an_age_is_given_once(tmp_path):
     (line,) = (one for one in how.environment if one.name == "age")
     assert_allclose(line.u, 365.25 * 86400.0, rtol=1e-15)
     assert "environment.age: 1 year, known value, --age" in how.assumptions
-    station = tmp_path / "station.yaml"
-    station.write_text("station: {}\nenvironment: {age: 2 years}\n", encoding="utf-8")
+    station = put(
+        tmp_path / "station.yaml", "station: {}\nenvironment: {age: 2 years}\n"
+    )
     with pytest.raises(SpecError, match=r"has an age of its own.*remove one"):
         load_procedure(station=station, age="1 year")
     for text, why in (("1 ug", "expected a time"), ("-1 s", "not negative")):
@@ -157,11 +158,10 @@ def test_an_age_is_given_once(tmp_path):
 
 def test_an_age_of_zero_that_a_call_states_stays(tmp_path):
     """Beside `environment none`, too: the age that a mission's file has gives way."""
-    path = tmp_path / "m.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "m.yaml",
         "name: m\nage: 1 year\nmission:\n  latitude: 45 deg\n  speed: 0 m/s\n"
         "  heading: 0 deg\n  segments: [{stand: 60 s}]\n  at: [60 s]\n",
-        encoding="utf-8",
     )
     for environment in (None, "none"):
         how = load_calibration("factory", age="0 s", environment=environment)

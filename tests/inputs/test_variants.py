@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import load_device, validate, variants
@@ -44,9 +45,7 @@ variants:
 @pytest.fixture
 def family(tmp_path):
     """Return a device file with variants."""
-    path = tmp_path / "family.yaml"
-    path.write_text(VARIANTS)
-    return path
+    return put(tmp_path / "family.yaml", VARIANTS)
 
 
 def test_variants_are_the_base_and_the_named_ones(family):
@@ -122,6 +121,5 @@ def test_a_mistake_of_the_base_is_reported_once(family):
 
 def test_a_file_with_the_mark_in_its_name_is_no_variant(tmp_path):
     """'a#b.yaml' is that file where there is one."""
-    path = tmp_path / "a#b.yaml"
-    path.write_text("name: x\ngyro: {}\n")
+    path = put(tmp_path / "a#b.yaml", "name: x\ngyro: {}\n")
     assert load_device(path).name == "x"

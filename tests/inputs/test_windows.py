@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.errors import SpecError
 from budget.inputs import load_procedure
@@ -218,8 +219,7 @@ def test_what_makes_no_test_is_refused(procedure, windows, more, words):
 
 def test_a_pause_of_the_file_belongs_to_windows(tmp_path):
     """The paper's tests have their own pauses: one beside them is refused."""
-    path = tmp_path / "mine.yaml"
-    path.write_text("pause: 10 s\n")
+    path = put(tmp_path / "mine.yaml", "pause: 10 s\n")
     with pytest.raises(SpecError, match="pause"):
         load_procedure(path)
 
@@ -246,8 +246,7 @@ def test_what_is_not_named_is_held(procedure):
 
 def test_the_papers_estimator_holds_nothing(tmp_path):
     """Its formulas find every parameter: `estimate` beside them is refused."""
-    path = tmp_path / "mine.yaml"
-    path.write_text("estimate: {gyro: [bias]}\n")
+    path = put(tmp_path / "mine.yaml", "estimate: {gyro: [bias]}\n")
     with pytest.raises(SpecError, match="another estimator"):
         load_procedure(path)
 
@@ -255,8 +254,7 @@ def test_the_papers_estimator_holds_nothing(tmp_path):
 @pytest.mark.parametrize("estimator", ["least_squares", "weighted"])
 def test_the_papers_windows_go_through_another_estimator(tmp_path, estimator):
     """Without windows the paper's stand, whatever estimates from them."""
-    path = tmp_path / "mine.yaml"
-    path.write_text(f"estimator: {estimator}\n")
+    path = put(tmp_path / "mine.yaml", f"estimator: {estimator}\n")
     found, paper = load_procedure(path), load_procedure(None)
 
     assert (found.formulas, found.windows) == (estimator, ())
@@ -267,15 +265,14 @@ def test_the_papers_windows_go_through_another_estimator(tmp_path, estimator):
 
 def test_validate_draws_the_schedule(tmp_path):
     """A row for each window, at its time: turns and dwells look different."""
-    path = tmp_path / "mine.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "mine.yaml",
         "latitude: 34 deg\nwindows:\n  - {face: z up, dwell: 300 s}\n"
-        "  - {face: z up, turn: vertical, turns: 10, rate: 12 deg/s, use: gyro}\n"
+        "  - {face: z up, turn: vertical, turns: 10, rate: 12 deg/s, use: gyro}\n",
     )
-    run = call("validate", path)
+    run = call("validate", path, code=0)
     rows = [line.split() for line in run.out.splitlines()]
 
-    assert run.code == 0
     assert "Gyro: 1 turn of 5 min and 1 dwell of 5 min, in 10 min" in run.out
     assert ["dwell", "with", "z", "up", "0", "300", "=" * 19] in rows
     assert rows[-1] == ["dwell", "with", "z", "up", "0", "300", "=" * 19]

@@ -7,6 +7,7 @@ from math import inf, sqrt
 
 import numpy as np
 import pytest
+from builders import last_digit
 from numpy.testing import assert_allclose
 from scipy import stats
 from scipy.integrate import quad
@@ -20,11 +21,6 @@ from budget.methods.decisions import (
 from jcgm import gamma, lognormal, samples, scaled_student_t
 
 BEARINGS = {"mean": 1.0, "u": 0.5, "u_measurement": 0.25, "distribution": gamma(4.0)}
-
-
-def last_digit(printed):
-    """Return one unit in the last printed digit."""
-    return 10.0 ** -len(printed.partition(".")[2])
 
 
 def test_ball_bearings_of_jcgm_106():

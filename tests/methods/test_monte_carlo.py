@@ -10,8 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import paper_accelerometer, paper_gyro, procedure
-from command_line import last_digit
+from builders import last_digit, paper_accelerometer, paper_gyro, procedure
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy import special
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import pytest
 from builders import asked
-from document_text import on_terminal
 from keeping import catalogue
 from places import DOCS
+from reading import on_terminal
 
 from budget import load_device, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
@@ -139,7 +139,10 @@ def test_a_bias_that_lacks_its_line_is_this_or_more():
     assert "bias repeatability not given" in tables["gyro bias"].gaps
     assert tables["gyro scale factor"].gaps == ""
     for row in budget.outputs:
-        flags = {part.source: part.lower_bound for part in row.contributions}
+        flags = {
+            part.source: part.standard_uncertainty.is_bound
+            for part in row.contributions
+        }
         assert flags.pop("interaction") is row.lower_bound
         assert not any(flags.values())
     totals = [line for line in to_csv(budget).splitlines() if ",total," in line]
@@ -258,18 +261,19 @@ def test_what_the_page_computes_with_is_marked():
     model = what_if(question_of(budget), budget=budget)
     lacking_of = {row.output.name: row.lower_bound for row in budget.outputs}
 
-    lacks = map(bool, model.lacks)
+    lacks = map(bool, model.why)
     assert dict(zip(bound_names(model), lacks, strict=True)) == lacking_of
     assert any(lacking_of.values())
     assert not all(lacking_of.values())
     document = model.to_dict()["outputs"]
     assert {row["name"]: row["lower_bound"] for row in document} == lacking_of
     steps = one_at_a_time(model)
-    assert {bool(row.lacks) for row in steps} == {
+    assert {row.lower_bound for row in steps} == {
         lacking_of[row.output.name] for row in steps
     }
     assert all(
-        bool(row.used_lacks) == (row.source.name.owner == "gyro") for row in steps
+        row.steps[0].utilisation.is_bound == (row.source.name.owner == "gyro")
+        for row in steps
     )
     table = (
         what_if_section(budget, model, steps, devices=question_of(budget).devices)
@@ -285,7 +289,7 @@ def test_what_the_page_computes_with_is_marked():
         marked = lacking_of[density.output.name]
         data = density_plot(density, coverage=0.95).picture.data
         cells = [row[1].text for row in data.groups[0].rows]
-        assert bool(density.lacks) == marked
+        assert density.u.is_bound == marked
         assert any(text.startswith(AT_LEAST) for text in cells) == marked
         assert (
             "specifications are not given"

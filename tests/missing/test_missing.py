@@ -9,22 +9,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from document_text import on_terminal, section
-from document_text import rows as rows_of
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from reading import on_terminal, section
+from reading import rows as rows_of
 
 from budget import load_device, load_requirement
 from budget.errors import CallError
 from budget.inputs.load import load_variants
 from budget.missing import MODES, comparable, fill
 from budget.names import Name
-from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.page import comparison_answer, comparison_document
-from budget.report.comparison.tables import rankings
+from budget.report.comparison.tables import rankings, to_csv
+from budget.report.document import json_text
 from budget.studies.ceilings import ceilings
 from budget.studies.comparison.compare import compare
-from budget.studies.comparison.ranking import rank
+from budget.studies.comparison.ranking import rank_devices
 from budget.studies.verdicts import MEETS, MEETS_IF, VERDICTS
 
 EDGE = load_requirement("catalogue-edge")
@@ -218,7 +218,7 @@ def test_every_result_names_the_mode_and_the_lines(by_mode):
     """Terminal, page, JSON and CSV; by `refuse` none of them speaks of a mode."""
     for mode, found in by_mode.items():
         text = " ".join(on_terminal(comparison_answer(found, full=True)).split())
-        document = json.loads(to_json(found))
+        document = json.loads(json_text(found.to_dict()))
         page = comparison_document(found, date="2026-01-01")
         said = "".join(page.summary)
         if mode == "refuse":
@@ -254,7 +254,7 @@ def test_a_prediction_looks_no_better_than_it_is(by_mode):
     found = by_mode["predict"]
     (table,) = [each for each in rankings(found) if each.sensor == "gyro"]
     (row,) = [each for each in table.rows if each.device == LACKS_ONE.name]
-    document = json.loads(to_json(found))
+    document = json.loads(json_text(found.to_dict()))
     (one,) = [
         d
         for d in document["devices"]
@@ -302,8 +302,8 @@ def test_what_fails_ranks_below_any_chance(by_mode):
     none = replace(likely, doubt=replace(likely.doubt, probability=0.0))
     some = replace(likely, doubt=replace(likely.doubt, probability=0.01))
 
-    assert rank([fails, none])[0].verdict == "predicted"
-    assert rank([fails, none, some])[0].doubt.probability == 0.01
+    assert rank_devices([fails, none])[0].verdict == "predicted"
+    assert rank_devices([fails, none, some])[0].doubt.probability == 0.01
 
 
 def test_one_device_is_judged_as_among_others(by_mode):

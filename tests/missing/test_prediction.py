@@ -22,12 +22,12 @@ from budget.missing.prediction import (
     LEVELS,
     ROUNDS,
     TAILS,
+    Fit,
     LogLine,
     _others,
     figures_of,
     joined,
     predict,
-    predict_figures,
 )
 from budget.names import Name
 
@@ -76,10 +76,8 @@ def test_one_line_of_unlike_designs_is_the_t_of_a_new_observation(n):
     With normal effects, that weigh all designs alike.
     """
     y = np.random.default_rng(n).normal(2.0, 1.5, n)
-    found = predict_figures(
-        [figure(f"d{k}", log_u=value) for k, value in enumerate(y)],
-        {BIAS: figure("new")},
-    )
+    given = [figure(f"d{k}", log_u=value) for k, value in enumerate(y)]
+    found = Fit.of(given).predict({BIAS: figure("new")})
     df = DF_0 + n - 1
     squares = float(np.square(y - y.mean()).sum())
     s2 = (DF_0 * WHOLE + squares) / df * (1.0 + 1.0 / n)
@@ -99,7 +97,7 @@ def test_weights_of_unlike_designs_are_those_of_a_student_t():
     """By hand: w = (TAILS + 1)/(TAILS + d^2), of one line and designs of their own."""
     y = np.append(np.random.default_rng(3).normal(0.0, 1.0, 12), -9.0)
     given = [figure(f"d{k}", log_u=value) for k, value in enumerate(y)]
-    found = predict_figures(given, {BIAS: figure("new")})
+    found = Fit.of(given).predict({BIAS: figure("new")})
     wide = LEVELS["technology"][0]
     narrow = WHOLE - wide
     w, df = np.ones(y.size), DF_0 + y.size - 1
@@ -166,7 +164,7 @@ def test_a_design_far_off_is_predicted_less_surely():
 
     def width(a):
         own = figure("new", "a", a)
-        found = predict_figures([*given, own], {BIAS: figure("new", "b")})
+        found = Fit.of([*given, own]).predict({BIAS: figure("new", "b")})
         assert found.df == TAILS + 1.0
         return sqrt(found.scale[0, 0])
 
@@ -191,11 +189,11 @@ def test_a_given_line_of_the_same_device_predicts_the_missing_one():
     def at(a):
         new = figure("new", "b")
         own = figure("new", "a", a)
-        return predict_figures([*given, own], {BIAS: new})
+        return Fit.of([*given, own]).predict({BIAS: new})
 
     low, high = at(-2.0), at(2.0)
     rise = float(high.location[0] - low.location[0]) / 4.0
-    alone = predict_figures(given, {BIAS: figure("new", "b")})
+    alone = Fit.of(given).predict({BIAS: figure("new", "b")})
 
     assert_allclose(rise, slope, rtol=0.05)  # r of the two lines differ by chance
     assert at(0.0).scale[0, 0] < alone.scale[0, 0]
@@ -218,7 +216,7 @@ def test_variants_of_a_design_are_no_further_witnesses():
     ]
     new = {BIAS: figure("new")}
     few, many, free = (
-        float(predict_figures(those, new).scale[0, 0])
+        float(Fit.of(those).predict(new).scale[0, 0])
         for those in (once, often, independent)
     )
 
@@ -232,8 +230,8 @@ def test_too_few_designs_predict_nothing():
     given = [
         figure(f"d{k}", log_u=1.0, device=str(j)) for k in range(n) for j in range(9)
     ]
-    assert predict_figures(given, {BIAS: figure("new")}) is None
-    assert predict_figures([*given, figure("one more")], {BIAS: figure("new")})
+    assert Fit.of(given).predict({BIAS: figure("new")}) is None
+    assert Fit.of([*given, figure("one more")]).predict({BIAS: figure("new")})
 
 
 def test_missing_lines_go_together():
@@ -329,7 +327,7 @@ def test_intervals_hold_on_catalogues_drawn_from_the_law():
     for _ in range(runs):
         y = rng.normal(0.0, sqrt(WHOLE), 7)
         given = [figure(f"d{k}", log_u=value) for k, value in enumerate(y[:-1])]
-        low, high = np.log(predict_figures(given, {BIAS: figure("n")}).interval(0.9)[0])
+        low, high = np.log(Fit.of(given).predict({BIAS: figure("n")}).interval(0.9)[0])
         inside += low <= y[-1] <= high
     # sigma^2 is 1 here as in the prior: a little wide rather than a little narrow.
     assert abs(inside / runs - 0.9) < 3.0 * sqrt(0.9 * 0.1 / runs)
@@ -359,5 +357,4 @@ def test_nothing_is_predicted_from_nothing():
     device = load_device("stim210")
     bare = replace(device, gyro=replace(device.gyro, lines=device.gyro.lines[1:]))
 
-    assert predict_figures([], {BIAS: figure("new")}) is None
     assert predict(bare, device.gyro.expected_missing, ()) is None

@@ -58,8 +58,7 @@ def test_an_input_in_the_folder_one_works_in_is_read():
 def test_an_input_outside_the_tree_is_not_opened(project):
     """It is refused by name, and nothing of it stands in the message."""
     forge(project, naming("../../secret.yaml"))
-    run = call("check", "references/one.json")
-    assert run.code == 2
+    run = call("check", "references/one.json", code=2)
     assert "is outside" in run.err
     assert "--root FOLDER" in run.err
     assert "hunter2" not in run.err + run.out
@@ -70,8 +69,7 @@ def test_a_link_does_not_lead_out_of_the_tree(project):
     """What counts is the file behind it."""
     (project / "link.yaml").symlink_to("../secret.yaml")
     forge(project, naming("../link.yaml"))
-    run = call("check", "references/one.json")
-    assert run.code == 2
+    run = call("check", "references/one.json", code=2)
     assert "is outside" in run.err
     assert "mine:" not in run.err + run.out
 
@@ -81,8 +79,7 @@ def test_elsewhere_the_tree_is_the_folder_of_the_reference(project, monkeypatch)
     other = project / "other"
     other.mkdir()
     monkeypatch.chdir(other)
-    run = call("check", "../references/one.json")
-    assert run.code == 2
+    run = call("check", "../references/one.json", code=2)
     assert "is outside" in run.err
     assert call("check", "../references/one.json", "--root", "..").code == 0
 
@@ -91,8 +88,7 @@ def test_a_pipe_is_no_input(project):
     """Nothing waits for who would write into it."""
     os.mkfifo(project / "pipe.yaml")
     forge(project, naming("../pipe.yaml"))
-    run = call("check", "references/one.json")
-    assert run.code == 2
+    run = call("check", "references/one.json", code=2)
     assert "is not there" in run.err
 
 
@@ -105,12 +101,10 @@ def test_trials_beyond_the_command_line_are_refused(project, name):
         content["settings"] = {"method": "monte-carlo", name: most + 1}
 
     forge(project, change)
-    run = call("check", "references/one.json")
-    assert run.code == 2
+    run = call("check", "references/one.json", code=2)
     assert name in run.err
     option = f"--{name.replace('_', '-')}"
-    asked = call("analyze", "--method", "monte-carlo", option, str(most + 1))
-    assert asked.code == 2
+    asked = call("analyze", "--method", "monte-carlo", option, str(most + 1), code=2)
     assert str(most) in asked.err
 
 

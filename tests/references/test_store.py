@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from command_line import analyze, call
 from places import TESTS
+from reading import assert_says
 from reference_examples import DEVICE, computing_once, copied, store, stored
-from saying import assert_says
 
 from budget.errors import ReferenceFileError
 from budget.references.files import shipped_references, stored_documents

@@ -8,7 +8,8 @@ from hashlib import sha256
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.references.store import _checksum
 
@@ -93,8 +94,7 @@ def test_what_is_stored_is_what_the_mission_says(folder, way):
     assert ("mission", "way.yaml") in roles
     assert not any(role == "procedure" for role, _ in roles)
     options = ("--requirement", "far.yaml", "--no-validate", "--json", "found.json")
-    run = call("mission", "imu.yaml", "--mission", "way.yaml", *options)
-    assert run.code == 0
+    call("mission", "imu.yaml", "--mission", "way.yaml", *options, code=0)
     found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
     numbers = {
         (one["subject"], one["quantity"], one.get("partner", "")): one["value"]
@@ -120,8 +120,7 @@ def test_a_line_that_moved_a_mission_is_named(folder, way):
     (folder / "way.yaml").write_text(MISSIONS[way], encoding="utf-8")
     assert save().code == 0
     change(folder, "imu", "0.1 deg/sqrt(h)", "0.11 deg/sqrt(h)")
-    run = call("check", "ref.json", "--json", "moved.json")
-    assert run.code == 1
+    run = call("check", "ref.json", "--json", "moved.json", code=1)
     assert_says(run.out, f"device imu.yaml: {WALK}", "0 unchanged, 1 moved")
 
 
@@ -131,12 +130,10 @@ def test_an_outage_that_begins_later_is_named(folder):
     assert save().code == 0
     change(folder, "way", "straight: 20 s, aiding", "straight: 21 s, aiding")
     key = "mission way.yaml: mission.segments[0].straight: 20 s -> 21 s"
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, key)
     change(folder, "imu", "0.1 deg/sqrt(h)", "0.11 deg/sqrt(h)")
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, key, WALK)
 
 
@@ -151,13 +148,11 @@ def test_an_aid_that_comes_and_a_time_that_comes_have_moved_it(folder):
         "rate: 1 Hz}, heading: {value: 1 deg, rate: 1 Hz}}",
     )
     change(folder, "way", "aiding: [gnss]", "aiding: [gnss, heading]")
-    run = call("check", "ref.json", "--csv", "moved.csv")
-    assert run.code == 1
+    call("check", "ref.json", "--csv", "moved.csv", code=1)
     assert "aiding.heading" in (folder / "moved.csv").read_text(encoding="utf-8")
     (folder / "way.yaml").write_text(AIDED, encoding="utf-8")
     change(folder, "way", "at: [30 s", "at: [25 s, 30 s")
-    run = call("check", "ref.json", "--csv", "moved.csv")
-    assert run.code == 1
+    call("check", "ref.json", "--csv", "moved.csv", code=1)
     rows = (folder / "moved.csv").read_text(encoding="utf-8")
     assert "horizontal.25" in rows
     assert "horizontal.30" not in rows
@@ -171,13 +166,11 @@ def test_what_calibrated_the_unit_is_an_input_like_the_others(folder):
     assert save("--procedure", "plan.yaml", "--station", "hut.yaml").code == 0
     assert call("check", "ref.json").code == 0
     change(folder, "plan", "turns: 10", "turns: 2")
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, "procedure plan.yaml: gyro.turns: 10 -> 2")
     change(folder, "plan", "turns: 2", "turns: 10")
     change(folder, "hut", "20 mGal", "30 mGal")
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, "station hut.yaml: station.gravity: 20 mGal -> 30 mGal")
 
 
@@ -190,8 +183,7 @@ def test_code_that_moved_a_mission_is_named(folder):
             one["value"] *= 1.001
 
     forge(folder, worse)
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, "tool: code: as stored -> as it is")
 
 
@@ -228,16 +220,14 @@ def test_what_is_no_reference_of_a_mission_is_refused(folder, words, said):
     """In words that say what to give; nothing is written."""
     (folder / "gyro.yaml").write_text("name: g\nlimits: {gyro: {bias: 1 deg/h}}\n")
     (folder / "track.yaml").write_text("mission: {trajectory: secret.csv}\n")
-    run = call("check", "--save", "ref.json", "imu.yaml", *words)
-    assert run.code == 2
+    run = call("check", "--save", "ref.json", "imu.yaml", *words, code=2)
     assert_says(run.err, said)
     assert not (folder / "ref.json").exists()
 
 
 def test_a_forged_mission_is_refused_in_words(folder, tmp_path_factory):
     """Edited, doubled, or led to a file that is not its own: none is opened."""
-    secret = tmp_path_factory.mktemp("elsewhere") / "secret.csv"
-    secret.write_text("hunter2\n")
+    secret = put(tmp_path_factory.mktemp("elsewhere") / "secret.csv", "hunter2\n")
     assert save().code == 0
     text = (folder / "ref.json").read_text(encoding="utf-8")
 
@@ -245,8 +235,7 @@ def test_a_forged_mission_is_refused_in_words(folder, tmp_path_factory):
         (folder / "ref.json").write_text(text, encoding="utf-8")
         if edit is not None:
             forge(folder, edit)
-        run = call("check", "ref.json")
-        assert run.code == 2
+        run = call("check", "ref.json", code=2)
         assert "hunter2" not in run.err + run.out
         return run.err
 
@@ -273,8 +262,7 @@ def test_a_forged_mission_is_refused_in_words(folder, tmp_path_factory):
     # What is stored only explains: it is not read, and stops no check.
     (folder / "ref.json").write_text(text, encoding="utf-8")
     forge(folder, led_astray)
-    run = call("check", "ref.json")
-    assert run.code == 0
+    run = call("check", "ref.json", code=0)
     assert "hunter2" not in run.err + run.out
     # The file itself, in its place, has a trajectory: refused before it is opened.
     (folder / "way.yaml").write_text(f"mission: {{trajectory: {secret}}}\n")
@@ -295,8 +283,7 @@ def test_limits_on_a_mission_are_shared_out_and_compared(folder, kind, way):
     assert call("check", "ref.json").code == 0
     change(folder, "way", "speed: 15 m/s", "speed: 150 m/s")
     change(folder, "imu", "0.1 deg/sqrt(h)", "0.2 deg/sqrt(h)")
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, "mission.speed: 15 m/s -> 150 m/s")
     assert_says(run.out, WALK.replace("0.11 ", "0.2 "))
 
@@ -306,15 +293,11 @@ def test_two_units_on_a_mission_side_by_side(folder):
     """Two devices, a device beside a reference, and two references."""
     other = DEVICE.replace("0.1 deg/sqrt(h)", "0.11 deg/sqrt(h)")
     (folder / "other.yaml").write_text(other, encoding="utf-8")
-    run = call("diff", "imu.yaml", "other.yaml", "--mission", "way.yaml")
-    assert run.code == 0
+    run = call("diff", "imu.yaml", "other.yaml", "--mission", "way.yaml", code=0)
     assert_says(run.out, WALK)
     assert save().code == 0
-    run = call("diff", "ref.json", "other.yaml")
-    assert run.code == 0
+    run = call("diff", "ref.json", "other.yaml", code=0)
     assert_says(run.out, WALK)
-    run = call("diff", "ref.json", "other.yaml", "--mission", "way.yaml")
-    assert run.code == 2
+    run = call("diff", "ref.json", "other.yaml", "--mission", "way.yaml", code=2)
     assert_says(run.err, "leave --mission out")
-    run = call("diff", "ref.json", "ref.json")
-    assert run.code == 0
+    run = call("diff", "ref.json", "ref.json", code=0)

@@ -6,8 +6,9 @@ import json
 
 import pytest
 from command_line import call
+from places import put
+from reading import assert_says
 from reference_examples import DEVICE
-from saying import assert_says
 
 from budget.errors import CallError
 from budget.references.check import make_reference
@@ -66,8 +67,7 @@ def test_the_station_is_stored_and_its_change_is_named(folder, way):
     assert call("check", "ref.json").code == 0
 
     (folder / file).write_text(HUT.replace("20 mGal", "30 mGal"))
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(
         run.out, "station hut.yaml", GRAVITY, "1 reference: 0 unchanged, 1 moved"
     )
@@ -105,8 +105,7 @@ def test_a_station_that_is_gone_is_said(folder, way):
     (folder / ("sub" if way == "below" else ".") / "hut.yaml").unlink()
     if way == "below":
         (folder / "hut.yaml").unlink()
-    run = call("check", "ref.json")
-    assert run.code == 2
+    run = call("check", "ref.json", code=2)
     assert "hut.yaml" in run.err
 
 
@@ -116,23 +115,21 @@ def test_a_procedure_that_names_another_station_is_at_that(folder):
     assert save(*WAYS["named"]).code == 0
     (folder / "other.yaml").write_text(HUT.replace("20 mGal", "30 mGal"))
     (folder / "plan.yaml").write_text(PLAN.replace("hut.yaml", "other.yaml"))
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert GRAVITY in run.out
     (folder / "plan.yaml").write_text(PLAN.replace("station: hut.yaml\n", ""))
-    run = call("check", "ref.json")
-    assert run.code == 1
+    run = call("check", "ref.json", code=1)
     assert_says(run.out, "station", "hut.yaml", "there")
 
 
 def test_a_station_outside_the_tree_is_not_opened(folder, tmp_path_factory):
     """As of every input: a procedure is no way round it."""
     assert save(*WAYS["named"]).code == 0
-    elsewhere = tmp_path_factory.mktemp("elsewhere") / "secret.yaml"
-    elsewhere.write_text("secret: yes\n")
+    elsewhere = put(
+        tmp_path_factory.mktemp("elsewhere") / "secret.yaml", "secret: yes\n"
+    )
     (folder / "plan.yaml").write_text(PLAN.replace("hut.yaml", str(elsewhere)))
-    run = call("check", "ref.json")
-    assert run.code == 2
+    run = call("check", "ref.json", code=2)
     assert_says(run.err, "outside", "not opened")
     assert "secret: yes" not in run.err
 
@@ -159,6 +156,5 @@ def test_two_stations_are_refused(folder, options, what):
 def test_a_check_takes_no_station():
     """It is that of the reference."""
     assert save().code == 0
-    run = call("check", "ref.json", "--station", "hut.yaml")
-    assert run.code == 2
+    run = call("check", "ref.json", "--station", "hut.yaml", code=2)
     assert "--save" in run.err

@@ -10,7 +10,7 @@ from math import isclose
 import pytest
 from command_line import call
 from keeping import once
-from pdf_reading import pages_of, squeeze
+from reading import pages_of, squeeze
 from reference_examples import DEVICE
 
 from budget.studies import stations
@@ -190,8 +190,7 @@ def test_pages_that_cannot_be_are_refused_before_anything_is_read(name, tmp_path
         (("-o", str(tmp_path / "a.html"), "--paper", "letter"), "--paper letter"),
         (("-o", str(tmp_path / "none" / "a.html")), "none"),
     ):
-        run = call(*words, *more)
-        assert run.code == 2, more
+        run = call(*words, *more, code=2)
         assert said in run.err
     assert [*tmp_path.iterdir()] == before
 
@@ -202,8 +201,8 @@ def test_an_allocation_that_cannot_be_has_a_page(tmp_path):
     run = call(
         *("allocate", "--requirement", "navigation-grade", "--no-validate"),
         *("--fix", "gyro.bias_stability", "-o", str(page), "--json", str(document)),
+        code=1,
     )
-    assert run.code == 1
     assert "no other file was written" in run.err
     assert not document.exists()
     assert "cannot be met" in page.read_text("utf-8")
@@ -211,6 +210,5 @@ def test_an_allocation_that_cannot_be_has_a_page(tmp_path):
 
 def test_a_reference_that_is_stored_has_no_page(tmp_path):
     """It is a document itself."""
-    run = call("check", "--save", str(tmp_path / "a.json"), "-o", "a.html")
-    assert run.code == 2
+    run = call("check", "--save", str(tmp_path / "a.json"), "-o", "a.html", code=2)
     assert "leave them out" in run.err

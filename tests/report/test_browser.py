@@ -12,8 +12,9 @@ import pytest
 from browsing import CONTRAST, axe_core, chromium, opened, written
 from command_line import call
 from numpy.testing import assert_allclose
+from places import put
+from reading import assert_says
 from report.test_page import HOSTILE, example, fill
-from saying import assert_says
 
 from budget import analyze, load_device, load_requirement
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
@@ -83,10 +84,9 @@ def test_policy_keeps_everything_out(browser, path, tmp_path):
     intruder = (
         '<img src="https://example.org/x.png"><script>document.title="x"</script>'
     )
-    bad = tmp_path / "bad.html"
-    bad.write_text(
+    bad = put(
+        tmp_path / "bad.html",
         path.read_text(encoding="utf-8").replace("</header>", f"</header>{intruder}"),
-        encoding="utf-8",
     )
     with opened(browser, bad) as (page, record):
         assert page.title() != "x"

@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 from browsing import chromium, opened, written
 from command_line import call
-from document_examples import make_table
 from numpy.testing import assert_allclose
-from pdf_reading import pages_of
+from reading import assert_says, pages_of
 from report.test_page import example
-from saying import assert_says
+from report_examples import make_table
 from studies.test_what_if import NOISE, lacking, oblong, on_outage, scaled
 from test_language import left_in
 

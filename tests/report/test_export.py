@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import yaml
 from numpy.testing import assert_allclose
+from places import put
 
 from budget import load_device
 from budget.report.document import table_csv
@@ -229,8 +230,10 @@ def of_texts(folder, order, run):
             }
         },
     }
-    path = folder / f"{order.replace('/', '_')}\nprint('RUN')\u202e\x1b.yaml"
-    path.write_text(yaml.safe_dump(tree, allow_unicode=False), encoding="utf-8")
+    path = put(
+        folder / f"{order.replace('/', '_')}\nprint('RUN')\u202e\x1b.yaml",
+        yaml.safe_dump(tree, allow_unicode=False),
+    )
     return load_device(path)
 
 
@@ -296,8 +299,7 @@ def test_python_runs_nothing_of_a_device(tmp_path):
     """The script itself, run with a stand-in for GTSAM, says nothing."""
     (tmp_path / "gtsam.py").write_text(GTSAM, encoding="utf-8")
     device = of_texts(tmp_path, ORDERS[0], RUNS[0])
-    script = tmp_path / "told.py"
-    script.write_text(write_export(export(device, to="gtsam")), encoding="utf-8")
+    script = put(tmp_path / "told.py", write_export(export(device, to="gtsam")))
     run = subprocess.run(
         [sys.executable, script], capture_output=True, text=True, check=True, timeout=60
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 from stat import S_IMODE, S_ISDIR
 
 import pytest
+from places import put
 
 from budget.errors import OutputError
 from budget.journal import keep_journal, note_read
@@ -38,11 +39,9 @@ def test_files_are_replaced(tmp_path):
 
 def test_permissions_stay(tmp_path):
     """A replaced file keeps its mode; a new one gets the usual one, not 0600."""
-    old = tmp_path / "old"
-    old.write_text("old")
+    old = put(tmp_path / "old", "old")
     old.chmod(0o640)
-    plain = tmp_path / "plain"
-    plain.write_text("made the usual way")
+    plain = put(tmp_path / "plain", "made the usual way")
 
     write_all({old: "x", tmp_path / "new": "x"})
 
@@ -217,8 +216,7 @@ def test_a_signal_that_is_ignored_stays_ignored(tmp_path, monkeypatch):
 
 def test_a_private_file_stays_private_while_it_is_replaced(tmp_path, monkeypatch):
     """Nothing that stands beside it, new or former, can be read by others."""
-    target = tmp_path / "private.json"
-    target.write_text("old")
+    target = put(tmp_path / "private.json", "old")
     target.chmod(0o640)
     seen = {}
 

@@ -10,8 +10,8 @@ from unicodedata import category
 import numpy as np
 import pytest
 import typst
-from document_examples import make_document, make_picture, make_table
-from pdf_reading import ask, needs_poppler, squeeze, text_of
+from reading import ask, needs_poppler, squeeze, text_of
+from report_examples import make_document, make_picture, make_table
 
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
 from budget.report.fonts import FontSet, choose_fonts, clusters

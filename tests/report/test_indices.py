@@ -6,7 +6,7 @@ import re
 
 import pytest
 from builders import NOWHERE, procedure, sensor
-from document_text import on_terminal
+from reading import on_terminal
 
 from budget.inputs.records import Device
 from budget.report.analysis.groups import budget_answer
@@ -64,7 +64,7 @@ def test_tables_hold_every_source_that_varies(budget):
     assert len(chart.data.groups) == 3
     for group in chart.data.groups:
         parameter = group.title.removeprefix("Gyro ").rpartition(" ")[0]
-        zeros = re.search(rf"{parameter}: ([^;.]*)", chart.after)
+        zeros = re.search(rf"{parameter}: ([^;.]*)", chart.caption)
         text = " ".join([zeros[1] if zeros else "", *(r[0].text for r in group.rows)])
         for name in ("bias repeatability", "bias stability", "scale factor asymmetry"):
             assert name in text

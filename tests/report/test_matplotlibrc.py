@@ -9,7 +9,7 @@ from inspect import getsource
 import pytest
 from failing import run, run_here, run_warm
 from matplotlib import rc_params_from_file, rcParamsDefault
-from places import SHIPPED
+from places import SHIPPED, put
 
 from budget.report.figures.tabled import Plot
 
@@ -56,58 +56,59 @@ REPORT = (
 )
 
 
+def reported(folder, make=run_here, **made):
+    """Make the report in a folder; return the outcome and the page."""
+    (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
+    outcome = make(*REPORT, folder=folder, SOURCE_DATE_EPOCH="0", **made)
+    return outcome, (folder / "out.html").read_bytes()
+
+
+@pytest.fixture(scope="module")
+def clean(tmp_path_factory):
+    """Return the outcome and the page of this process, where no file is obeyed."""
+    return reported(tmp_path_factory.mktemp("clean"))
+
+
 @pytest.mark.slow
-def test_a_matplotlibrc_of_the_user_changes_no_byte(tmp_path):
+def test_a_matplotlibrc_of_the_user_changes_no_byte(tmp_path, clean):
     """The page is that of this process without one; a control in the second test.
 
     Of one in the current folder that is asked by test_wheel, of other commands.
     """
-    pages = []
-    for name, make in (("clean", run_here), ("hostile", run_warm)):
-        folder, config = tmp_path / name, tmp_path / f"config-{name}"
-        folder.mkdir()
-        config.mkdir()
-        (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
-        if name == "hostile":
-            (config / "matplotlibrc").write_text(HOSTILE, encoding="utf-8")
-        made = dict(SOURCE_DATE_EPOCH="0", MATPLOTLIBRC=str(config))
-        run = make(*REPORT, folder=folder, **made)
-        assert run.returncode in {0, 1}, run
-        pages.append((folder / "out.html").read_bytes())
-    assert pages[0] == pages[1]
+    config = tmp_path / "config"
+    config.mkdir()
+    (config / "matplotlibrc").write_text(HOSTILE, encoding="utf-8")
+    outcome, page = reported(tmp_path, run_warm, MATPLOTLIBRC=str(config))
+    assert outcome.returncode in {0, 1}, outcome
+    assert page == clean[1]
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes of POSIX systems")
-def test_no_setting_of_the_drawing_library_ends_a_report(tmp_path):
+def test_no_setting_of_the_drawing_library_ends_a_report(tmp_path, clean):
     """A notebook's backend, a file that is none or a pipe: the same page, no word more.
 
     A pipe in the current folder would be waited for, for ever.
     """
     folder, broken = tmp_path / "here", tmp_path / "broken"
     folder.mkdir()
-    (folder / "one.yaml").write_text(DEVICE, encoding="utf-8")
     broken.write_bytes(b"axes.grid: maybe\nnokey: \xff\n")
-    first = run_here(*REPORT, folder=folder, SOURCE_DATE_EPOCH="0")
-    clean = (folder / "out.html").read_bytes()
     os.mkfifo(folder / "matplotlibrc")
-    outcome = run(
-        *REPORT,
-        folder=folder,
-        SOURCE_DATE_EPOCH="0",
+    outcome, page = reported(
+        folder,
+        run,
         MPLBACKEND="module://matplotlib_inline.backend_inline",
         MATPLOTLIBRC=str(broken),
         MPLCONFIGDIR="/proc/none",
     )
-    assert outcome.returncode == first.returncode, outcome
+    assert outcome.returncode == clean[0].returncode, outcome
     assert outcome.stderr == b"out.html: written\n"
-    assert (folder / "out.html").read_bytes() == clean
+    assert page == clean[1]
 
 
 def test_every_line_of_the_hostile_file_is_one_that_the_library_obeys(tmp_path):
     """The control: each is read, and is not what the library would do without."""
-    file = tmp_path / "matplotlibrc"
-    file.write_text(HOSTILE, encoding="utf-8")
+    file = put(tmp_path / "matplotlibrc", HOSTILE)
     read = rc_params_from_file(file, use_default_template=False)
     assert len(read) == len(HOSTILE.splitlines())
     for name, value in read.items():

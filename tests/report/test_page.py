@@ -14,7 +14,7 @@ from itertools import pairwise
 from shutil import copytree
 
 import pytest
-from document_examples import make_document, make_picture, make_table
+from report_examples import make_document, make_picture, make_table
 
 from budget.errors import OutputError
 from budget.language import template

@@ -6,7 +6,7 @@ import json
 
 import pytest
 from command_line import call
-from pdf_reading import ask, needs_poppler, squeeze, text_of
+from reading import ask, needs_poppler, squeeze, text_of
 
 from budget.errors import OutputError
 from budget.report import typeset as pdf_module

@@ -7,6 +7,7 @@ import json
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.inputs import load_mission
 from budget.report.route import route_section
@@ -64,9 +65,9 @@ def mission(folder, rows, heads="time [s],latitude [deg],longitude [deg],height 
     """Return the mission of a recording of these rows."""
     text = "\n".join([heads, *(",".join(map(str, row)) for row in rows)])
     (folder / "t.csv").write_text(text + "\n")
-    path = folder / "m.yaml"
-    path.write_text("format: budget-mission/1\nmission: {trajectory: t.csv}\n")
-    return path
+    return put(
+        folder / "m.yaml", "format: budget-mission/1\nmission: {trajectory: t.csv}\n"
+    )
 
 
 def straight(count=60, *, dt=1.0, speed=20.0, latitude=45.0, longitude=10.0, unit=1.0):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from reading import assert_says
 from report_examples import GYRO, make_budget, make_output, make_outputs
-from saying import assert_says
 
 from budget import load_device, load_procedure
 from budget.language import say, speaking
@@ -29,6 +29,7 @@ from budget.report.tables import (
     settings_lines,
     source_title,
 )
+from budget.report.writing import print_part
 from budget.results import Validation
 from budget.units import DEG_PER_HOUR
 
@@ -113,6 +114,15 @@ def test_value_must_be_finite():
     """A value that is not finite is refused, not printed."""
     with pytest.raises(ValueError, match="a value of nan"):
         round_value(float("nan"), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("part", "printed"),
+    [(1e-12, "0"), (1e-11, "<0.1"), (5e-4, "0.1"), (0.0996, "10.0"), (0.104, "10")],
+)
+def test_part_of_a_squared_limit_is_nothing_only_where_it_is_so(part, printed):
+    """Beside rounding of 1e-12 a part is more than 0."""
+    assert print_part(part) == printed
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import io
 import re
+from types import SimpleNamespace
 
 import pytest
+from reading import assert_says
 from report_examples import GYRO, make_budget, make_output, make_outputs
 from rich.console import Console
-from saying import assert_says
 
 from budget.report.analysis.groups import budget_answer
 from budget.report.blocks import Cell, Column, RowGroup, Table
@@ -169,7 +170,12 @@ def test_what_it_rests_on_is_printed():
 
 def test_empty_lists_are_said_to_be_empty():
     """Nothing missing and nothing assumed is said, not left to be guessed."""
-    budget = make_budget(not_given=(), could_widen={}, assumptions=(), warnings=())
+    budget = make_budget(
+        question=SimpleNamespace(not_given=()),
+        could_widen={},
+        assumptions=(),
+        warnings=(),
+    )
     text = render(budget)
 
     assert "Not given: none\n" in text

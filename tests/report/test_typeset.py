@@ -11,15 +11,9 @@ import tempfile
 from dataclasses import replace
 
 import pytest
-from document_examples import (
-    DATE,
-    make_document,
-    make_overview,
-    make_picture,
-    make_table,
-)
 from numpy.testing import assert_allclose
-from pdf_reading import (
+from places import TESTS
+from reading import (
     ask,
     needs_poppler,
     needs_qpdf,
@@ -29,7 +23,13 @@ from pdf_reading import (
     text_of,
     words_beyond,
 )
-from places import TESTS
+from report_examples import (
+    DATE,
+    make_document,
+    make_overview,
+    make_picture,
+    make_table,
+)
 
 from budget.errors import OutputError
 from budget.report import typeset as pdf_module

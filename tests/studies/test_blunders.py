@@ -7,12 +7,18 @@ from math import atan2, cos, degrees, radians, sin, sqrt
 
 import numpy as np
 import pytest
-from acting import UNITS, assert_printed, simulated
-from builders import line, paper_accelerometer, paper_gyro
+from builders import (
+    UNITS,
+    assert_printed,
+    line,
+    paper_accelerometer,
+    paper_gyro,
+    simulated,
+)
 from command_line import call
 from numpy.testing import assert_allclose
-from places import ROOT
-from saying import assert_says
+from places import ROOT, put
+from reading import assert_says
 
 from budget import compare
 from budget.earth import ECCENTRICITY_SQUARED, SEMI_MAJOR_AXIS, normal_gravity
@@ -43,8 +49,7 @@ def read(tmp_path):
     """Return a function that reads a procedure file with this text."""
 
     def read(text):
-        path = tmp_path / "mine.yaml"
-        path.write_text(text)
+        path = put(tmp_path / "mine.yaml", text)
         return load_procedure(path)
 
     return read
@@ -139,8 +144,7 @@ def test_a_table_of_very_many_windows_is_not_made(read):
 @pytest.mark.parametrize("gravity", ["1e-20", "1e-9", "5", "1e20"])
 def test_no_gravity_breaks_the_table(tmp_path, gravity):
     """Whatever is accepted as a gravity: a table of numbers, and no more on stderr."""
-    path = tmp_path / "far.yaml"
-    path.write_text(f"latitude: -90 deg\ngravity: {gravity} m/s^2\n")
+    path = put(tmp_path / "far.yaml", f"latitude: -90 deg\ngravity: {gravity} m/s^2\n")
     run = call("validate", path)
     assert (run.code, run.err) == (0, "")
     assert "nan" not in run.out
@@ -260,17 +264,14 @@ def test_validate_warns_and_shows_what_mistakes_cost(tmp_path):
     assert_says(run.out, "anomaly of +50 mGal", "+51.0 ppm", "-1015 ppm")
     assert run.out.count("gyro.bias.z") == 2
     assert "warning" not in run.out
-    path = tmp_path / "g.yaml"
-    path.write_text("gravity: 9.8 m/s^2\n")
+    path = put(tmp_path / "g.yaml", "gravity: 9.8 m/s^2\n")
     assert_says(call("validate", path).out, "warning", "-337 ppm", SF)
 
 
 def test_an_earth_rate_is_answered_with_the_one_that_is_used(tmp_path):
     """There is no such key: it is that of WGS 84, and only its uncertainty is given."""
-    path = tmp_path / "rate.yaml"
-    path.write_text("latitude: 34 deg\nearth_rate: 15 deg/h\n")
-    run = call("validate", path)
-    assert run.code == 2
+    path = put(tmp_path / "rate.yaml", "latitude: 34 deg\nearth_rate: 15 deg/h\n")
+    run = call("validate", path, code=2)
     assert_says(run.err, "15.0411 deg/h", "station.earth_rate")
 
 

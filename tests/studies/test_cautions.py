@@ -26,7 +26,7 @@ from budget.names import Name
 from budget.problem import Group, Output, Problem
 from budget.studies.analysis import analyze
 from budget.studies.conformity import assess
-from budget.studies.verdicts import cautions_of_device
+from budget.studies.sheets import cautions_of_device
 from budget.units import DEG_PER_HOUR, MICRO_G
 from jcgm import student_t
 

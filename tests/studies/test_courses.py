@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.inputs import load_device, load_mission, load_requirement, uncalibrated
 from budget.names import MISSION
@@ -221,11 +221,9 @@ def test_a_comparison_and_its_command_say_it(tmp_path):
     }
     files["way"].write_text(json.dumps(said), encoding="utf-8")
     words = ("mission", str(files["unit"]), "--mission", str(files["way"]))
-    run = call(*words, "--no-validate", "--only", COEFFICIENT)
-    assert run.code == 0, run.err
+    run = call(*words, "--no-validate", "--only", COEFFICIENT, code=0)
     assert_says(run.out, "100 % of the variance is gyro bias temperature coefficient")
     size = call(*words, "--no-validate", "--environment", "temperature 20 degC")
     assert_says(size.out, "78 % of the variance is environment temperature mission")
-    none = call(*words, "--only", COEFFICIENT, "--environment", "none")
-    assert none.code == 2
+    none = call(*words, "--only", COEFFICIENT, "--environment", "none", code=2)
     assert_says(none.err, "is no source of these devices")

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import pytest
 from command_line import call
-from document_text import on_terminal
-from saying import assert_says
+from places import put
+from reading import assert_says, on_terminal
 
 from budget.errors import CallError
 from budget.inputs import load_device, load_procedure
@@ -43,11 +43,11 @@ def test_the_choice_is_what_compare_ranks_first(at_the_edge):
     found = compare(DEVICES, EDGE, method="gum")
     (purchase,) = at_the_edge.purchases
 
-    assert purchase.chosen.name == found.ranked_imus[0][0].gyro == "HG4930 (C)"
+    assert purchase.chosen.name == found.imus[0].name == "HG4930 (C)"
     assert {one.name: one.verdict for one in purchase.best} == {
-        pair.gyro: pair.verdict for pair, _ in found.ranked_imus
+        pair.name: pair.verdict for pair in found.imus
     }
-    assert purchase.chosen.utilisation == found.ranked_imus[0][0].utilisation
+    assert purchase.chosen.utilisation == found.imus[0].utilisation
     assert at_the_edge.is_met
 
 
@@ -138,11 +138,10 @@ def test_the_command_answers_and_writes_its_page(tmp_path):
     page = tmp_path / "d.html"
     need = "specs/requirements/catalogue-edge.yaml"
     found = call(
-        "decide", need, *DEVICES, "-o", str(page), "--json", str(tmp_path / "d")
+        "decide", need, *DEVICES, "-o", str(page), "--json", str(tmp_path / "d"), code=0
     )
     document = json.loads((tmp_path / "d").read_text("utf-8"))
 
-    assert found.code == 0
     assert_says(found.out, "BUY HG4930 (C)", "95.3", "good three-axis table")
     assert "HG4930 (C)" in page.read_text("utf-8")
     assert document["purchases"][0]["chosen"] == "HG4930 (C)"
@@ -211,9 +210,8 @@ def test_calibrations_of_one_name_are_refused():
 )
 def test_a_bad_call_is_refused_and_says_why(args, said):
     """Exit code 2, nothing on stdout."""
-    found = call("decide", *args)
+    found = call("decide", *args, code=2)
 
-    assert found.code == 2
     assert found.out == ""
     assert said in found.err
 
@@ -284,15 +282,13 @@ def test_what_nobody_can_judge_is_not_bought():
 
 def test_a_headline_never_buys_what_is_not_judged(tmp_path):
     """The terminal names the limits that nobody judged, and the exit code is 1."""
-    need = tmp_path / "need.yaml"
-    need.write_text(
+    need = put(
+        tmp_path / "need.yaml",
         "name: need\nenvironment: none\nage: 0 s\nlimits:\n"
         "  gyro: {bias: 1000 deg/h}\n  accelerometer: {bias: 100 mg}\n",
-        "utf-8",
     )
-    found = call("decide", str(need), "stim202")
+    found = call("decide", str(need), "stim202", code=1)
 
-    assert found.code == 1
     assert "BUY" not in found.out
     assert_says(found.out, "accelerometer", "not judged")
 
@@ -300,11 +296,10 @@ def test_a_headline_never_buys_what_is_not_judged(tmp_path):
 @pytest.mark.slow
 def test_warnings_caps_and_the_rule_of_decision_stand_beside_the_choice(tmp_path):
     """What a comparison warns of is not lost on the way."""
-    need = tmp_path / "need.yaml"
-    need.write_text(
+    need = put(
+        tmp_path / "need.yaml",
         "name: need\nenvironment: none\nage: 0 s\ndecision: each\n"
         "caps: {mass: 100 g}\nlimits:\n  gyro: {bias: 100 deg/h}\n",
-        "utf-8",
     )
     found = call("decide", str(need), "hg4930#C")
     study = decide(["hg4930#C"], str(need))

@@ -6,6 +6,7 @@ import builders
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from places import put
 from scipy.special import ndtr
 
 from budget import analyze, load_device, load_procedure, load_requirement
@@ -95,11 +96,10 @@ def drawn(device, **options):
 
 def bias_only(tmp_path, distribution):
     """Return a gyro with a bias repeatability alone: its bias error is that draw."""
-    file = tmp_path / "one.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "one.yaml",
         "name: one\ngyro:\n  errors:\n    bias_repeatability: "
         f"{{value: 0.05 deg/h, distribution: {distribution.name}}}\n",
-        encoding="utf-8",
     )
     return load_device(file)
 
@@ -170,11 +170,10 @@ def test_without_limits_the_widest_of_each_group_is_drawn():
 
 def test_with_limits_the_worst_of_each_limited_group_is_drawn(tmp_path):
     """The output with the largest utilisation is drawn, with its limit; others not."""
-    file = tmp_path / "limits.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "limits.yaml",
         "name: limits\nreference: next_turn_on\nlimits:\n  gyro:\n"
         "    bias: {x: 0.9 deg/h, y: 0.1 deg/h, z: 0.8 deg/h}\n",
-        encoding="utf-8",
     )
     device, requirement = load_device("zhao-2019"), load_requirement(file)
     procedure = load_procedure()
@@ -197,10 +196,9 @@ def test_with_limits_the_worst_of_each_limited_group_is_drawn(tmp_path):
 
 def test_a_device_without_any_spread_has_no_density(tmp_path):
     """Where nothing varies there is nothing to draw."""
-    file = tmp_path / "none.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "none.yaml",
         "name: none\ngyro:\n  errors:\n    bias_repeatability: 0 deg/h\n",
-        encoding="utf-8",
     )
     _, densities = drawn(load_device(file))
     assert densities == ()

@@ -104,19 +104,18 @@ def test_points_are_of_the_distribution():
 
 def held_of(device):
     """Return the gyro of a device against the requirement, with its law."""
-    asked = Question.of(device, requirement=REQUIREMENT).alone("gyro")
-    return asked.held, asked.law
+    return Question.of(device, requirement=REQUIREMENT).alone("gyro").held
 
 
 def test_contributions_stand_for_the_law_of_every_draw():
     """Of lines drawn anew, the law itself meets where the rooms say so."""
     device, filling = fill(load_device("stim300#5g"), "predict", catalogue())
-    held, law = held_of(device)
+    held = held_of(device)
     prediction = filling.prediction.of(
         [name for name in filling.prediction.names if name.owner == "gyro"]
     )
-    judged = judge_with(held, law, seed=0, trials=2_000)
-    unit, room = rooms(prediction, held, law, judged)
+    judged = judge_with(held, seed=0, trials=2_000)
+    unit, room = rooms(prediction, held, judged)
     rng = np.random.default_rng(0)
     seen = set()
     for _ in range(20):
@@ -133,10 +132,10 @@ def test_contributions_stand_for_the_law_of_every_draw():
                 for line in device.gyro.lines
             ),
         )
-        now_held, now = held_of(replace(device, gyro=gyro))
-        u = np.sqrt(np.diag(now.covariance))[now_held.rows]
-        ends = np.abs(now.mean[now_held.rows]) + judged.factor * u
-        by_law = bool((ends <= now_held.limits).all())
+        now = held_of(replace(device, gyro=gyro))
+        u = np.sqrt(np.diag(now.law.covariance))[now.rows]
+        ends = np.abs(now.mean) + judged.factor * u
+        by_law = bool((ends <= now.limits).all())
         assert bool((times**2 @ unit <= room).all()) == by_law
         seen.add(by_law)
     assert seen == {True, False}
@@ -159,6 +158,6 @@ def test_what_fails_by_given_lines_is_in_no_doubt():
         ),
     )
     for one, is_open in ((device, True), (big, False)):
-        held, law = held_of(one)
-        judged = judge_with(held, law, seed=0, trials=2_000)
-        assert (doubt_of(filling.prediction, held, law, judged) is not None) == is_open
+        held = held_of(one)
+        judged = judge_with(held, seed=0, trials=2_000)
+        assert (doubt_of(filling.prediction, held, judged) is not None) == is_open

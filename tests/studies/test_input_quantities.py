@@ -7,6 +7,7 @@ from math import sqrt
 import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from places import put
 
 from budget.inputs import load_device
 from budget.model.sources import FLICKER
@@ -36,8 +37,7 @@ gyro:
 @pytest.fixture(scope="module")
 def device(tmp_path_factory):
     """Return a gyro whose noise differs by axis, and several shapes."""
-    path = tmp_path_factory.mktemp("device") / "axes.yaml"
-    path.write_text(DEVICE)
+    path = put(tmp_path_factory.mktemp("device") / "axes.yaml", DEVICE)
     return load_device(path)
 
 
@@ -68,6 +68,18 @@ def test_the_divisor_is_that_of_meaning_and_shape(budget, name, divisor, u):
 
     assert_allclose(found.divisor, divisor, rtol=1e-14)
     assert_allclose(found.u, u, rtol=1e-14)
+
+
+def test_what_does_not_spread_is_shared_out_to_nothing(budget):
+    """Shares of a variance add up to 1; of none, each is 0."""
+    zero = {"name": "z", "gyro": {"errors": {"bias_repeatability": "0 deg/h"}}}
+    for found, whole in (
+        (budget, 1.0),
+        (analyze(load_device(zero), validate=False), 0),
+    ):
+        for row in found.outputs:
+            share = sum(part.share for part in row.contributions)
+            assert_allclose(share, whole, rtol=1e-12)
 
 
 def test_printed_over_divisor_is_u_in_the_whole_catalogue():

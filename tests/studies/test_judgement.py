@@ -8,16 +8,17 @@ from math import erf, log, sqrt
 
 import numpy as np
 import pytest
-from builders import procedure
-from comparison_examples import (
+from builders import (
     SIZES,
     bounded_bias,
     compared,
     device,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose, assert_array_equal
+from places import put
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
@@ -176,7 +177,7 @@ def test_the_law_is_off_by_less_than_it_says_beyond_the_second_order():
 def test_a_linear_normal_law_is_exact():
     """Nothing but rounding is left to doubt, so 0.999999999 of a limit meets."""
     problem = several(3, distribution=NORMAL)
-    found = judge(held(problem, K95 / 0.999999999), propagate(problem), seed=0)
+    found = judge(held(problem, K95 / 0.999999999), seed=0)
 
     assert off(one_output(Group.independent("x", u=1.0)))[0] < 1e-11
     assert found.verdict() == "meets"
@@ -203,7 +204,7 @@ def test_a_uniform_output_is_judged_by_trials_and_a_normal_one_by_the_law():
         outputs=(Output(name="a.y.x"), Output(name="a.y.y")),
         function=lambda x: x,
     )
-    found = judge(held(problem, 3.0), propagate(problem), seed=0)
+    found = judge(held(problem, 3.0), seed=0)
 
     assert found.by_trials.tolist() == [False, True]
     assert_allclose(found.interval[0], [-K95, K95], rtol=1e-12)
@@ -218,9 +219,8 @@ def test_a_uniform_output_is_judged_by_trials_and_a_normal_one_by_the_law():
 def test_a_margin_smaller_than_the_laws_error_is_not_decided_by_the_law():
     """A bound of 2 against 2.1: the law says 108 %, what is true is 90.5 %."""
     problem = several(1, u=2.0 / sqrt(3.0))
-    law = propagate(problem)
-    fast = screen(held(problem, 2.1), law, seed=0)
-    sure = judge(held(problem, 2.1), law, seed=0)
+    fast = screen(held(problem, 2.1), seed=0)
+    sure = judge(held(problem, 2.1), seed=0)
 
     assert fast.utilisation > 1.07
     assert fast.verdict() == "undecided"
@@ -235,7 +235,7 @@ def test_no_trials_are_made_where_they_cannot_be_surer_than_the_law():
     problem = one_output(
         Group.independent("a.x", u=1.0), function=lambda x: x + 2e-5 * x * x
     )
-    found = judge(held(problem, K95), propagate(problem), seed=0)
+    found = judge(held(problem, K95), seed=0)
 
     assert found.verdict() == "undecided"
     assert found.trials == 100_000
@@ -358,9 +358,7 @@ def test_equal_axes_have_one_interval_by_trials(seed):
     """
     axes = replace(several(3), outputs=equal_axes("xyz"))
     found, apart = (
-        judge_with(
-            held(problem, 2.0 * sqrt(3.0)), propagate(problem), seed=seed, trials=TRIALS
-        )
+        judge_with(held(problem, 2.0 * sqrt(3.0)), seed=seed, trials=TRIALS)
         for problem in (axes, several(3))
     )
 
@@ -388,14 +386,14 @@ def test_equal_axes_share_an_interval_where_their_limits_differ():
         coverage=np.array([0.95, 0.95, 0.95]),
     )
     law = propagate(problem)
-    found = judge_with(limited, law, seed=0, trials=TRIALS)
+    found = judge_with(limited, seed=0, trials=TRIALS)
 
     assert alike(problem, law).tolist() == [0, 0, 2, 0]
     assert_array_equal(found.interval[0], found.interval[2])
     assert_allclose(found.used[0], 2.0 * found.used[2], rtol=1e-12)
     assert found.used[1] != found.used[0]
     # It is that of the first of the Problem, whatever has a limit.
-    all_of_them = judge_with(held(problem, 2.0), law, seed=0, trials=TRIALS)
+    all_of_them = judge_with(held(problem, 2.0), seed=0, trials=TRIALS)
     assert_array_equal(found.interval[0], all_of_them.interval[0])
 
 
@@ -403,7 +401,7 @@ def test_an_interval_of_each_coverage_is_of_its_own():
     """Equal axes with limits at 50 % and 95 % have intervals of 50 % and 95 %."""
     axes = replace(several(2), outputs=equal_axes("xy"))
     limited = replace(held(axes, 4.0), coverage=np.array([0.5, 0.95]))
-    found = judge_with(limited, propagate(axes), seed=0, trials=100_000)
+    found = judge_with(limited, seed=0, trials=100_000)
 
     for interval, coverage in zip(found.interval, (0.5, 0.95), strict=True):
         p = (1.0 + coverage) / 2.0
@@ -448,7 +446,7 @@ def test_joint_conformity_is_counted_in_the_same_trials():
     """Two problems of one source are within together, not with the product."""
     problem = several(1, distribution=NORMAL)
     one = held(problem, 1.0)
-    found = [judge(one, propagate(problem), seed=0) for _ in range(2)]
+    found = [judge(one, seed=0) for _ in range(2)]
     p = erf(1.0 / sqrt(2.0))
 
     both = together(found)
@@ -512,12 +510,11 @@ def test_compare_and_analyze_say_the_same(made):
 @pytest.fixture
 def hard_bound(tmp_path):
     """Return the file of a gyro of which nothing but a bound of its bias is known."""
-    file = tmp_path / "bound.yaml"
-    file.write_text(
+    return put(
+        tmp_path / "bound.yaml",
         "name: bound\ngyro:\n  errors:\n"
-        "    bias_repeatability: {value: 1.75 deg/h, meaning: max}\n"
+        "    bias_repeatability: {value: 1.75 deg/h, meaning: max}\n",
     )
-    return file
 
 
 def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
@@ -525,10 +522,10 @@ def test_a_hard_bound_has_one_interval_whoever_asks(hard_bound, tmp_path):
 
     The law says 1.98, which is beyond the bound itself.
     """
-    file = tmp_path / "r.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "r.yaml",
         "name: r\ncoverage: 95 %\nreference: nominal\n"
-        "limits: {gyro: {bias: 2.4 deg/h}}\n"
+        "limits: {gyro: {bias: 2.4 deg/h}}\n",
     )
     budgets = [
         analyze(hard_bound),
@@ -653,7 +650,6 @@ def test_what_is_kept_of_a_judgement_is_a_bit_a_trial():
     trials = 200_000
     found = judge_with(
         held(problem, 1.6),
-        propagate(problem),
         seed=0,
         trials=trials,
     )

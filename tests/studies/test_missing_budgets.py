@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 
 import pytest
-from document_text import on_terminal
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from reading import on_terminal
 
 from budget import CallError, analyze, load_device, load_procedure, load_requirement
 from budget.missing import fill

@@ -221,7 +221,7 @@ def test_what_a_calibration_buys(bench):
     By this test each repeatability counts twice in variance, and noise is added.
     """
     none, maker, own = bought(bench)
-    assert tuple(bool(one.lacks) for one in (none, maker, own)) == (
+    assert tuple(one.lower_bound for one in (none, maker, own)) == (
         True,
         False,
         False,

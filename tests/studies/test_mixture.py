@@ -8,9 +8,10 @@ from math import erf, sqrt
 
 import numpy as np
 import pytest
-from document_text import on_terminal
 from keeping import catalogue
 from numpy.testing import assert_allclose
+from places import put
+from reading import on_terminal
 from scipy.integrate import quad
 from scipy.stats import t
 
@@ -262,12 +263,11 @@ def test_other_modes_are_of_one_unit(missing, by):
 @pytest.mark.slow
 def test_a_requirement_changes_no_radius(predicted, tmp_path):
     """What is judged at the medians does not stand in the table of errors."""
-    path = tmp_path / "wide.yaml"
-    path.write_text(
+    path = put(
+        tmp_path / "wide.yaml",
         "name: wide\nreference: next_turn_on\nlimits:\n  mission:\n    position:\n"
         "      - {horizontal: 1 km, at: 60 s, probability: 50 %}\n"
         "      - {horizontal: 9000 km, at: 600 s}\n",
-        encoding="utf-8",
     )
     limited = on_the_bench(requirement=load_requirement(path))
     assert limited.assessment is not None

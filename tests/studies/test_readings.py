@@ -9,9 +9,9 @@ from math import sqrt
 import pytest
 from builders import asked
 from command_line import call
-from document_text import say as spoken
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
+from reading import say as spoken
 
 import budget
 from budget.errors import SpecError

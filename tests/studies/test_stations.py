@@ -9,6 +9,7 @@ from math import pi, radians
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 from scipy.special import ndtri
 
 from budget.errors import CallError
@@ -131,16 +132,14 @@ def test_a_ratio_scales_figures_of_first_order(navigation):
 @pytest.mark.parametrize("device", ["paper", "warm"])
 def test_a_station_with_these_figures_just_does(strategy, device, tmp_path):
     """Written as a file and judged as any other, it uses the whole of limit / R."""
-    path = tmp_path / "warm.yaml"
-    path.write_text(WARM, encoding="utf-8")
+    path = put(tmp_path / "warm.yaml", WARM)
     unit = load_device("zhao-2019" if device == "paper" else path)
     wanted = load_requirement("navigation-grade")
     procedure = load_procedure(None, station="three-axis-table")
     found = qualify(
         unit, requirement=wanted, procedure=procedure, strategy=strategy, stations=()
     )
-    written = tmp_path / "allowed.yaml"
-    written.write_text(station_yaml(found), encoding="utf-8")
+    written = put(tmp_path / "allowed.yaml", station_yaml(found))
     again = qualify(unit, requirement=wanted, stations=[load_station(written)])
     assert_allclose(again.stations[0].utilisation, 1.0, rtol=1e-6)
     assert again.stations[0].verdict == "does"

@@ -10,6 +10,7 @@ import builders
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 from report_examples import make_device
 
 from budget import analyze, load_device, load_mission, load_requirement
@@ -254,11 +255,10 @@ def test_the_json_alone_gives_the_same_numbers():
 
 def test_the_json_names_sources_and_outputs_in_printed_units(tmp_path):
     """Sources have the unit of the file, outputs their own, limits too."""
-    file = tmp_path / "one.yaml"
-    file.write_text(
+    file = put(
+        tmp_path / "one.yaml",
         "name: one\ngyro:\n  errors:\n    bias_repeatability: 0.05 deg/h\n"
         "    mounting_repeatability: {value: 2 arcsec, meaning: max}\n",
-        encoding="utf-8",
     )
     wanted = requirement(gyro__bias__x=3.0 * DEG_PER_HOUR)
     document = what_if(Question.of(load_device(file), requirement=wanted)).to_dict()
@@ -289,8 +289,7 @@ def test_a_figure_doubled_in_the_file_is_the_factor_two(tmp_path):
     )
     devices = []
     for figure in ("0.05 deg/h", "0.1 deg/h"):
-        file = tmp_path / "one.yaml"
-        file.write_text(text.replace("FIGURE", figure), encoding="utf-8")
+        file = put(tmp_path / "one.yaml", text.replace("FIGURE", figure))
         devices.append(load_device(file))
 
     agrees(

@@ -27,10 +27,11 @@ def allocated_device(allocation: Allocation) -> str:
         sensor.with_lines(replace(one, readings=()) for one in sensor.lines)
         for sensor in allocation.sensors
     ]
-    technologies = {one.technology for one in allocation.devices}
+    wanted = allocation.question.requirement.name[:30]
+    technologies = {one.technology for one in allocation.question.devices}
     return device_yaml(
         closed,
-        name=f"{allocation.title[:150]}, allocated for {allocation.requirement[:30]}",
+        name=f"{allocation.title[:150]}, allocated for {wanted}",
         source="budget allocate",
         notes=line("allocated", found=allocation),
         technology=technologies.pop() if len(technologies) == 1 else "",

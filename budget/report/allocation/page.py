@@ -74,7 +74,7 @@ def allocation_document(
         "allocation_page",
         provenance_section(
             allocation.inputs,
-            Settings(seed=allocation.seed),
+            Settings(seed=allocation.settings.seed),
             version=__version__,
             command_line=command_line,
         ),

@@ -40,8 +40,8 @@ from budget.report.pages import document, line
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.standing import NAMES, counting, keyed, missing
 from budget.report.tables import group_tables, print_coverage
+from budget.studies.conditions import calibration_words
 from budget.studies.evidence import in_doubt
-from budget.studies.verdicts import calibration_words
 from budget.studies.what_if import one_at_a_time
 from budget.version import __version__
 

@@ -176,10 +176,13 @@ def _page(page: str, budget: Budget, **view: object) -> tuple[Section, ...]:
 def _rounded(found: Compensation) -> list[list[list[Number]]]:
     """Return the rows of T, then both forms of the bias; and those of their u."""
     values, us = [], []
-    for output, x, u in zip(
-        found.outputs, found.value, found.standard_uncertainty, strict=True
+    for output, x, u, lacks in zip(
+        found.outputs,
+        found.value,
+        found.standard_uncertainty,
+        found.lacks,
+        strict=True,
     ):
-        lacks = found.lacks if output.name.quantity == "T" else found.bias_lacks
         values.append(round_error(float(x), float(u), output))
         us.append(round_u(Known.of(float(u), lacks), output))
     places = range(0, len(values), len(AXES))

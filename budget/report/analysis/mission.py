@@ -49,8 +49,8 @@ from budget.report.tables import (
 )
 from budget.report.writing import capital
 from budget.results import BY_PREDICTION
+from budget.studies.conditions import calibration_words, use_words
 from budget.studies.mission import curve, drawn_times
-from budget.studies.verdicts import calibration_words, use_words
 from budget.version import __version__
 
 if TYPE_CHECKING:

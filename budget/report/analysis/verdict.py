@@ -31,7 +31,8 @@ from budget.report.tables import (
     used_part,
 )
 from budget.results import BY_LAW, worst_of
-from budget.studies.verdicts import FAILS, calibration_words
+from budget.studies.conditions import calibration_words
+from budget.studies.verdicts import FAILS
 from budget.studies.what_if import mended
 
 if TYPE_CHECKING:

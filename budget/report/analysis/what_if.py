@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from budget.errors import UnitError
 from budget.inputs.records import CHANGED
-from budget.known import Known
 from budget.names import AIDING, MISSION
 from budget.question import sensors_of
 from budget.report.blocks import Section, Sliders
@@ -168,6 +167,4 @@ def largest_size(row: SourceSteps) -> str:
 
 def _expanded(row: SourceSteps, step: Step) -> Number:
     """Round U like its standard uncertainty."""
-    is_felt = step.u > row.output.resolution
-    known = Known.of(step.expanded, row.lacks, is_felt=is_felt)
-    return round_error(known, step.u, row.output)
+    return round_error(step.expanded, step.u, row.output)

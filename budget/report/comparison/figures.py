@@ -46,7 +46,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from budget.report.blocks import Table as DataTable
-    from budget.report.comparison.tables import DeviceRow as Device
     from budget.report.comparison.tables import Ranking
     from budget.report.figures.rows import ChartMark
     from budget.results import JudgedOutput
@@ -131,7 +130,7 @@ def map_chart(table: Ranking, name: str, data: DataTable | None) -> Chart:
 
 
 def _map_cells(
-    _: object, row: Device, columns: Sequence[Sequence[int]]
+    _: object, row: SimpleNamespace, columns: Sequence[Sequence[int]]
 ) -> Iterator[ChartMark]:
     """Yield the cells of one device; each has its tooltip."""
     for x, places in enumerate(columns):
@@ -156,7 +155,7 @@ def _map_cells(
         )
 
 
-def _columns(rows: Sequence[Device]) -> list[list[int]]:
+def _columns(rows: Sequence[SimpleNamespace]) -> list[list[int]]:
     """Gather the outputs of a quantity that every device uses alike, in order."""
 
     def looks(place: int) -> tuple[object, ...]:
@@ -168,7 +167,9 @@ def _columns(rows: Sequence[Device]) -> list[list[int]]:
     return [list(own) for _, own in groupby(places, looks)]
 
 
-def _output_heads(row: Device, columns: Sequence[Sequence[int]]) -> Iterator[Head]:
+def _output_heads(
+    row: SimpleNamespace, columns: Sequence[Sequence[int]]
+) -> Iterator[Head]:
     """Yield axes above the columns and quantities above those; of a mission times."""
     names = [[row.of.outputs[k].output.name for k in places] for places in columns]
     is_mission = any(name.time is not None for own in names for name in own)
@@ -248,7 +249,7 @@ def no_fronts(why: Mapping[str, str]) -> str:
 
 @house_style()
 def _drawn_front(
-    points: Sequence[tuple[Device, Amount]], merit: str, told: SimpleNamespace
+    points: Sequence[tuple[SimpleNamespace, Amount]], merit: str, told: SimpleNamespace
 ) -> Figure | None:
     """Draw a front; None where a name would lie on another one, or on a dot."""
     places = [
@@ -336,7 +337,7 @@ def fit_name(name: str, length: int) -> str:
     return f"{name[: length - len(DOTS) - end].rstrip()}{DOTS}{name[-end:].lstrip()}"
 
 
-def mark_name(row: Device, length: int) -> str:
+def mark_name(row: SimpleNamespace, length: int) -> str:
     """Return a device's name that fits, marked where specifications are missing."""
     mark = MARK if row.missing else ""
     return fit_name(row.device, length - len(mark)) + mark

@@ -7,26 +7,25 @@ from functools import partial
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import document as document_of
 from budget.known import AT_LEAST
 from budget.language import Note
 from budget.missing.prediction import LEAST_DESIGNS
 from budget.names import MISSION
 from budget.report.blocks import Document, ForPages, Paragraph
-from budget.report.comparison.document import to_json
 from budget.report.comparison.figures import (
     front_plot,
     map_chart,
     no_fronts,
 )
 from budget.report.comparison.tables import (
-    print_bounds,
     print_conformance,
-    rank_of,
     rankings,
     requests,
     side_by_side,
     tallies,
 )
+from budget.report.document import json_pieces
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.tabled import Plot
 from budget.report.pages import blocks, document, line, lines, sections
@@ -49,8 +48,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.report.blocks import Block, Section
-    from budget.report.comparison.tables import DeviceRow, Ranking, Request
-    from budget.studies.comparison.records import Comparison
+    from budget.report.comparison.tables import Ranking, Request
+    from budget.studies.comparison.records import Comparison, Entrant
 
 COMMAND = "budget compare"
 PAIRS_SHOWN = 20
@@ -70,7 +69,8 @@ def comparison_document(
         version=__version__,
         command_line=command_line,
     )
-    return page.whole("comparison", provenance, json=to_json(comparison), date=date)
+    text = "".join(json_pieces(document_of(comparison)))
+    return page.whole("comparison", provenance, json=text, date=date)
 
 
 def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
@@ -86,7 +86,7 @@ def comparison_sections(comparison: Comparison) -> tuple[Section, ...]:
 def comparison_answer(
     comparison: Comparison,
     *,
-    order: Callable[[DeviceRow], Any] | None = None,
+    order: Callable[[Entrant], Any] | None = None,
     full: bool = False,
 ) -> tuple[Section, ...]:
     """Return what stands alone on a terminal: the answer, or with `full` all there is.
@@ -167,7 +167,6 @@ def _view(
         "is_over": lambda merit, text: bool(
             merit in caps and over_cap(merit, text, caps[merit])
         ),
-        "bounds": print_bounds,
         "drawn": lambda table: ForPages(lambda: _drawn(table)),
         "not_drawn": ForPages(
             lambda: _not_drawn([one for one in found if one.decided])
@@ -178,7 +177,6 @@ def _view(
         "replaced": () if is_refused else _replaced(comparison),
         "named_devices": len(names),
         "assumed": _assumed(comparison.assumptions, names),
-        "rank_of": rank_of,
         "LEAST_DESIGNS": LEAST_DESIGNS,
         "PAIRS_SHOWN": PAIRS_SHOWN,
     }

@@ -1,17 +1,22 @@
-"""What tables of a comparison show of devices: rankings, orders, parts of limits."""
+"""What tables of a comparison show of devices: rankings, parts of limits, CSV."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
+from itertools import islice
 from math import inf
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import document
 from budget.errors import CallError
-from budget.known import AT_LEAST, AT_MOST
+from budget.known import AT_MOST
 from budget.language import say, words
+from budget.missing import PREDICT
 from budget.names import MISSION
+from budget.report.document import csv_text
 from budget.report.pages import line
 from budget.report.tables import (
     DASH,
@@ -28,27 +33,45 @@ from budget.report.tables import (
     source_title,
 )
 from budget.results import VERDICTS
-from budget.studies.comparison.records import (
-    NUMBERED,
-    Entrant,
-    rank_number,
-    ranks,
-)
+from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import read_amount
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.names import Name
-    from budget.results import Condition, Doubt, Probability, Remedy
-    from budget.studies.comparison.records import (
-        Comparison,
-        Entrant,
-        MissingLines,
-        Pair,
-    )
+    from budget.results import Condition, Doubt, Probability, Remedy, Verdict
+    from budget.studies.comparison.records import Comparison, Entrant, Unit
     from budget.studies.figures_of_merit import Amount
+
+COLUMNS = (
+    "procedure",
+    "sensor",
+    "rank",
+    "device",
+    "file",
+    "verdict",
+    "device_utilisation",
+    "device_conformance",
+    "parameter",
+    "axis",
+    "unit",
+    "limit",
+    "standard_uncertainty",
+    "largest_error",
+    "utilisation",
+    "conformance",
+    "interval_low",
+    "interval_high",
+    "interval_by",
+    "lower_bound",
+    "device_lower_bound",
+    "conditions",
+)
+
+
+PREDICTED = ("device_probability", "device_doubt", "ask_first", "ask_first_worth")
 
 
 MOST_FACTOR = 1000.0  # beyond, a line does not limit anything in any case
@@ -56,23 +79,17 @@ SURE = 5e-4  # of a utilisation [1]: half a unit in the third digit
 
 
 @dataclass(frozen=True, kw_only=True)
-class DeviceRow:
-    """One sensor of one device, as texts; numbers are in per cent, without the sign."""
+class RankingColumn:
+    """A column of the ranking: what stands there, and what `--sort` orders by."""
 
-    rank: str  # '2', '2=' where it is tied with a neighbour
-    device: str
-    verdict: str
-    utilisation: str
-    interval: tuple[str, ...]  # its ends, or one that is both; () by the law
-    conformance: str
-    worst_output: str  # without the sensor
-    limiting_source: str
-    factor: str  # '' where the source alone cannot mend it
-    missing: str  # number of expected lines that are not given
-    at_worst: str  # '198 fails' with the worst of the catalogue in their place
-    ask: str  # 'mounting repeatability 0.11': which of them to ask for, its worth
-    saturates: str  # 'saturates: gyro z asks ...': its numbers are those of no device
-    of: Entrant
+    key: str
+    order: Callable[[Entrant], Any]
+    text: Callable[[Entrant], Any] = lambda _: ""
+
+    @property
+    def head(self) -> str:
+        """What stands above it."""
+        return line("comparison_parts", "head", key=self.key)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,60 +98,38 @@ class Ranking:
 
     sensor: str
     name: str  # unique in the document: 'gyro-0'
-    devices: tuple[Entrant, ...]  # best first
+    devices: tuple[Entrant, ...]  # best first, or in the order that was asked for
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
     under: str  # the procedure, '' where there is no other
-    order: Callable[[DeviceRow], Any] | None = (
-        None  # what rows are sorted by; None: the rank
-    )
 
     @cached_property
-    def rows(self) -> tuple[DeviceRow, ...]:
+    def rows(self) -> list[SimpleNamespace]:
         """The devices as texts."""
-        return tuple(self._written(self.devices))
+        return [*map(row_of, self.devices)]
 
     @cached_property
-    def decided(self) -> tuple[DeviceRow, ...]:
+    def decided(self) -> list[SimpleNamespace]:
         """The rows of devices that can be judged."""
-        return tuple(row for row in self.rows if _is_decided(row.of))
+        return [row for row in self.rows if _is_decided(row.of)]
 
     @cached_property
-    def measured(self) -> tuple[DeviceRow, ...]:
+    def measured(self) -> list[SimpleNamespace]:
         """Those of them that read what they are asked for: a figure shows these."""
-        return tuple(row for row in self.decided if not row.saturates)
+        return [row for row in self.decided if not row.saturates]
 
-    def first(self, most: int) -> list[DeviceRow]:
-        """Return the first of these; no more are written than it takes."""
-        known = [one for one in self.devices if _is_decided(one)]
-        return self._written(known[:most] if self.order is None else known)[:most]
-
-    def _written(self, devices: Sequence[Entrant]) -> list[DeviceRow]:
-        """Write rows of devices, in the order that is asked for."""
-        places = map(id, self.devices)
-        by_place = dict(zip(places, self._ranks, strict=True))
-        rows = [_row(one, by_place[id(one)]) for one in devices]
-        return rows if self.order is None else sorted(rows, key=self.order)
-
-    @cached_property
-    def _ranks(self) -> tuple[str, ...]:
-        return ranks(self.devices)
+    def first(self, most: int) -> list[SimpleNamespace]:
+        """Return the first that can be judged; no more are written than it takes."""
+        return [*map(row_of, islice(filter(_is_decided, self.devices), most))]
 
     @property
     def subject(self) -> str:
         """'Gyro', or 'Gyro, Zhao 2019' where there are several procedures."""
         return line("comparison_parts", "subject", table=self)
 
-    @cached_property
-    def best(self) -> DeviceRow | None:
+    @property
+    def best(self) -> SimpleNamespace | None:
         """The best device that meets, if on conditions; None where none does."""
-        return next(
-            (
-                _row(one, rank)
-                for one, rank in zip(self.devices, self._ranks, strict=True)
-                if rank_of(rank)
-            ),
-            None,
-        )
+        return next((row_of(one) for one in self.devices if one.rank), None)
 
     @property
     def counts(self) -> dict[str, int]:
@@ -187,68 +182,75 @@ class Request:
     vendor: str  # '' where no file says
     lines: tuple[Name, ...]  # that which decides first; () for every error line
     names: list[str]  # of the devices
-    bounds: tuple[float, float] | None  # of the first line, least and largest [unit]
-    unit: str
+    firsts: list[Condition]  # what each is asked for first
+
+    @property
+    def bounds(self) -> str:
+        """From where on devices fail by that: '5.53 deg/h/g', of several a range.
+
+        '' where it is not known of all, or in units of which there are two.
+        """
+        sizes = [one.below / one.si_per_unit for one in self.firsts if one.below]
+        units = {one.unit for one in self.firsts}
+        if not sizes or len(sizes) < len(self.firsts) or len(units) > 1:
+            return ""
+        ends = dict.fromkeys(map(print_three, (min(sizes), max(sizes))))
+        return f"{say(' to ').join(ends)} {units.pop()}"
 
 
-def requests(comparison: Comparison) -> list[Request]:
-    """Return what to ask whom for, makers' requests that are alike gathered."""
-    together: dict[Any, list[Entrant]] = {}
-    for one in comparison.entrants:
-        if not _is_decided(one) and not one.saturates:
-            lines = tuple(ask.line for ask in one.asks)
-            if not one.is_judged and one.sensor != MISSION:
-                lines = ()  # of a sheet that gives none every one is asked for
-            elif not lines and one.missing:
-                lines = one.missing.lines
-            together.setdefault((one.sensor, one.vendor, lines), []).append(one)
-    found = [
+def gather(
+    found: Iterable[tuple[tuple[str, str, tuple[Name, ...]], Verdict]],
+) -> list[Request]:
+    """Gather what is asked for by sensor, maker and lines that are alike."""
+    together: dict[tuple[str, str, tuple[Name, ...]], list[Any]] = {}
+    for key, one in found:
+        together.setdefault(key, []).append(one)
+    return [
         Request(
             sensor=sensor,
             vendor=vendor,
             lines=lines,
             names=list(dict.fromkeys(one.name for one in own)),
-            **bounds_of([ask for each in own for ask in each.asks[:1]]),
+            firsts=[ask for one in own for ask in one.asks[:1]],
         )
         for (sensor, vendor, lines), own in together.items()
     ]
+
+
+def requests(comparison: Comparison) -> list[Request]:
+    """Return what to ask whom for, sensor by sensor."""
+    found = [
+        ((one.sensor, one.vendor, _asked_for(one)), one)
+        for one in comparison.entrants
+        if not (_is_decided(one) or one.saturates)
+    ]
     order = [*comparison.required]
-    return sorted(found, key=lambda one: order.index(one.sensor))
+    return sorted(gather(found), key=lambda one: order.index(one.sensor))
 
 
-def bounds_of(firsts: Sequence[Condition]) -> dict[str, Any]:
-    """Return from where on devices fail by what is asked for first, of all or none."""
-    sizes = [one.below / one.si_per_unit for one in firsts if one.below]
-    units = {one.unit for one in firsts}
-    if not sizes or len(sizes) < len(firsts) or len(units) > 1:
-        return {"bounds": None, "unit": ""}
-    return {"bounds": (min(sizes), max(sizes)), "unit": units.pop()}
-
-
-def print_bounds(one: Request) -> str:
-    """Print from where on devices fail: '5.53 deg/h/g', or of several a range."""
-    if one.bounds is None:
-        return ""
-    ends = dict.fromkeys(map(print_three, one.bounds))
-    return f"{say(' to ').join(ends)} {one.unit}"
+def _asked_for(one: Entrant) -> tuple[Name, ...]:
+    """Return the lines to ask for; () of a sheet that gives none: every one."""
+    if not one.is_judged and one.sensor != MISSION:
+        return ()
+    asks = tuple(ask.line for ask in one.asks)
+    return asks or (one.missing.lines if one.missing else ())
 
 
 def rankings(
-    comparison: Comparison, *, order: Callable[[DeviceRow], Any] | None = None
+    comparison: Comparison, *, order: Callable[[Entrant], Any] | None = None
 ) -> tuple[Ranking, ...]:
     """Return a table for each sensor and procedure, best first or by a column."""
     return tuple(
         Ranking(
             sensor=sensor,
             name=f"{sensor}-{place}",
-            devices=tuple(devices),
+            devices=tuple(sorted(devices, key=order) if order else devices),
             nothing_known=tuple(
                 one.name
                 for one in comparison.nothing_known
                 if (one.sensor, one.procedure) == (sensor, procedure)
             ),
             under=procedure if len(comparison.procedures) > 1 else "",
-            order=order,
         )
         for place, ((sensor, procedure), devices) in enumerate(comparison.lists.items())
     )
@@ -256,7 +258,7 @@ def rankings(
 
 def side_by_side(
     found: Sequence[Ranking], sensor: str
-) -> list[tuple[DeviceRow, list[DeviceRow | None]]]:
+) -> list[tuple[SimpleNamespace, list[SimpleNamespace | None]]]:
     """Return the devices with one sensor under all procedures, as under the first.
 
     None: the procedure leaves the sensor out.
@@ -269,32 +271,42 @@ def side_by_side(
     ]
 
 
-def _row(one: Entrant, rank: str) -> DeviceRow:
-    """Write one row."""
-    utilisation, interval = print_parts(one.utilisation, one.utilisation_interval)
-    if one.utilisation.is_bound:
-        utilisation = f"{AT_LEAST} {utilisation}"
-    beyond = one.saturates
-    is_open = one.rests_on_others or beyond
-    return DeviceRow(
-        rank=rank,
-        device=one.name,
-        verdict=words(one.verdict) if one.doubt is None else print_doubt(one.doubt),
-        utilisation=DASH if beyond else utilisation,
-        interval=() if beyond else print_range(one.doubt) if one.doubt else interval,
-        conformance=print_conformance(one),
-        worst_output=join_outputs([name.without_owner for name in one.worst_outputs]),
-        limiting_source=source_title(one.remedy.source, of=one.sensor),
-        factor="" if is_open else print_factor(one.remedy),
-        missing="" if one.missing is None else f"{len(one.missing.lines)}",
-        at_worst=print_worst_case(one.missing),
-        ask="" if one.doubt is None else print_ask(one.doubt, one.sensor),
-        saturates=line("comparison_parts", "saturates", standing=one) if beyond else "",
-        of=one,
-    )
+def row_of(one: Entrant) -> SimpleNamespace:
+    """Write one row: a text of each column, `saturates` in words, and the device.
+
+    What a row prints in per cent has no sign of it.
+    """
+    beyond = line("comparison_parts", "saturates", standing=one)
+    texts = {column.key: column.text(one) for column in RANKING}
+    return SimpleNamespace(**texts, saturates=beyond if one.saturates else "", of=one)
 
 
-def print_conformance(one: Entrant | Pair) -> str:
+def _print_used(one: Entrant) -> str:
+    """Print the part of the limit, which of what saturates is that of another unit."""
+    text, _ = print_parts(one.utilisation, one.utilisation_interval)
+    return DASH if one.saturates else one.utilisation.written(text)
+
+
+def _print_interval(one: Entrant) -> tuple[str, ...]:
+    """Print the ends of the interval, or one that is both; () by the law."""
+    if one.saturates:
+        return ()
+    if one.doubt:
+        return print_range(one.doubt)
+    return print_parts(one.utilisation, one.utilisation_interval)[1]
+
+
+def _print_worst(one: Entrant) -> str:
+    """Name the outputs that use most, without their sensor."""
+    return join_outputs([name.without_owner for name in one.worst_outputs])
+
+
+def _print_source(one: Entrant) -> str:
+    """Name the source that limits it."""
+    return source_title(one.remedy.source, of=one.sensor)
+
+
+def print_conformance(one: Entrant | Unit) -> str:
     """Print the conformance; '' where it would be that of another unit."""
     if one.at_medians or one.saturates:
         return ""
@@ -353,72 +365,67 @@ def print_factor(remedy: Remedy) -> str:
     return print_three(remedy.factor)
 
 
-def print_worst_case(missing: MissingLines | None) -> str:
-    """Print what the missing lines could do at worst: '198 fails', or '?'."""
-    if missing is None or not missing.is_bound:
-        return ""
-    if missing.utilisation is None:
-        return "?"
-    text = print_utilisation(missing.utilisation).removesuffix(" %")
-    return f"{text} {words(missing.verdict)}"
-
-
-@dataclass(frozen=True, kw_only=True)
-class RankingColumn:
-    """A column of the ranking, and what `--sort` puts it in order by."""
-
-    key: str
-    order: Callable[[DeviceRow], Any]
-
-    @property
-    def head(self) -> str:
-        """What stands above it."""
-        return line("comparison_parts", "head", key=self.key)
-
-
-def _undecided_last(row: DeviceRow, number: float) -> tuple[bool, float]:
+def _undecided_last(one: Entrant, number: float) -> tuple[bool, float]:
     """Order by a number, what cannot be decided last."""
-    return row.of.verdict == "undecidable", number
-
-
-def rank_of(rank: str) -> float | None:
-    """Return a rank as a number; None of what has none."""
-    number = rank_number(rank)
-    return None if number is None else float(number)
+    return one.verdict == "undecidable", number
 
 
 RANKING = (
-    RankingColumn(key="device", order=lambda row: row.device.casefold()),
-    RankingColumn(key="rank", order=lambda row: rank_of(row.rank) or inf),
+    RankingColumn(
+        key="device",
+        text=lambda one: one.name,
+        order=lambda one: one.name.casefold(),
+    ),
+    RankingColumn(
+        key="rank",
+        text=lambda one: one.printed_rank,
+        order=lambda one: one.rank or inf,
+    ),
     RankingColumn(
         key="verdict",
-        order=lambda row: (
-            VERDICTS.index(row.of.verdict),
-            -row.of.doubt.probability if row.of.doubt else 0.0,
+        text=lambda one: print_doubt(one.doubt) if one.doubt else words(one.verdict),
+        order=lambda one: (
+            VERDICTS.index(one.verdict),
+            -one.doubt.probability if one.doubt else 0.0,
         ),
     ),
     RankingColumn(
-        key="utilisation", order=lambda row: _undecided_last(row, row.of.utilisation)
+        key="utilisation",
+        text=_print_used,
+        order=lambda one: _undecided_last(one, one.utilisation),
     ),
-    RankingColumn(key="interval", order=lambda row: row.of.utilisation_interval),
+    RankingColumn(
+        key="interval",
+        text=_print_interval,
+        order=lambda one: one.utilisation_interval,
+    ),
     RankingColumn(
         key="conformance",
-        order=lambda row: _undecided_last(row, -row.of.conformance.value),
+        text=print_conformance,
+        order=lambda one: _undecided_last(one, -one.conformance.value),
     ),
-    RankingColumn(key="worst_output", order=lambda row: row.worst_output),
-    RankingColumn(key="limiting_source", order=lambda row: row.limiting_source),
-    RankingColumn(key="factor", order=lambda row: -(row.of.remedy.factor or 0.0)),
+    RankingColumn(key="worst_output", text=_print_worst, order=_print_worst),
+    RankingColumn(key="limiting_source", text=_print_source, order=_print_source),
+    RankingColumn(
+        key="factor",
+        text=lambda one: (
+            "" if one.rests_on_others or one.saturates else print_factor(one.remedy)
+        ),
+        order=lambda one: -(one.remedy.factor or 0.0),
+    ),
     RankingColumn(
         key="missing",
-        order=lambda row: len(row.of.missing.lines) if row.of.missing else 0,
+        text=lambda one: "" if one.missing is None else f"{len(one.missing.lines)}",
+        order=lambda one: len(one.missing.lines) if one.missing else 0,
     ),
     RankingColumn(
         key="at_worst",
-        order=lambda row: inf if row.of.at_worst is None else row.of.at_worst,
+        order=lambda one: inf if one.at_worst is None else one.at_worst,
     ),
     RankingColumn(
         key="ask",
-        order=lambda row: -row.of.doubt.asks[0].reduction if row.of.doubt else 0.0,
+        text=lambda one: "" if one.doubt is None else print_ask(one.doubt, one.sensor),
+        order=lambda one: -one.doubt.asks[0].reduction if one.doubt else 0.0,
     ),
 )
 
@@ -444,7 +451,7 @@ def find_column(name: str) -> RankingColumn:
     )
 
 
-def merit_points(ranking: Ranking, merit: str) -> list[tuple[DeviceRow, Amount]]:
+def merit_points(ranking: Ranking, merit: str) -> list[tuple[SimpleNamespace, Amount]]:
     """Return the devices whose price, mass or power can be compared, cheapest first."""
     found = [
         (row, amount)
@@ -454,3 +461,43 @@ def merit_points(ranking: Ranking, merit: str) -> list[tuple[DeviceRow, Amount]]
     # As the front does: amounts in other units than the first one cannot be compared.
     same = [pair for pair in found if pair[1].unit == found[0][1].unit]
     return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))
+
+
+def to_csv(comparison: Comparison) -> str:
+    """Write one row for each device and required output, in printed units.
+
+    Where missing lines are predicted, with the probability and what to ask for.
+    """
+    more = PREDICTED if comparison.settings.missing == PREDICT else ()
+    return csv_text((*COLUMNS, *more), _rows(comparison))
+
+
+def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:
+    """Yield the entries of the JSON document, one for each output, without lists."""
+    for one in map(document, comparison.ranked):
+        predicted = one.get("predicted", {})
+        first: dict[str, Any] = next(iter(predicted.get("worth_asking", [])), {})
+        for output in one["outputs"]:
+            low, high = output["interval"]
+            yield {
+                **{f"device_{key}": value for key, value in one.items()},
+                **{key: one[key] for key in ("rank", "file", "verdict")},
+                "procedure": one["procedure"],
+                "device": one["name"],
+                "conditions": _conditions(one),
+                "device_probability": predicted.get("probability"),
+                "device_doubt": predicted.get("doubt"),
+                "ask_first": first.get("source"),
+                "ask_first_worth": first.get("reduction"),
+                **output,
+                "interval_low": low,
+                "interval_high": high,
+            }
+    for entrant in comparison.nothing_known:  # no figure: a 0 would look like the best
+        one = document(entrant, "entrant")
+        yield {**one, "device": entrant.name, "conditions": _conditions(one)}
+
+
+def _conditions(one: dict[str, Any]) -> str:
+    """Say in a cell what a verdict holds if, or what to ask for."""
+    return "; ".join(condition["text"] for condition in one["conditions"])

@@ -12,7 +12,8 @@ shifts both averages alike. That of an average beside it is what a budget counts
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, floor, inf, log10, sqrt
+from functools import partial
+from math import ceil, floor, log10, sqrt
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
@@ -25,18 +26,15 @@ from budget.model.source import Noise
 from budget.model.sources import source_of
 from budget.model.windows import Schedule, Window
 from budget.names import Name
-from budget.report.figures.curves import free_place, name_lines
+from budget.report.figures.curves import name_lines, write_apart
 from budget.report.figures.style import (
     HATCH,
     INK,
-    WIDTH,
     Scale,
     add_plane,
     blank,
     in_order,
     look_of,
-    text_width,
-    write,
 )
 from budget.report.figures.tabled import Plot, alternative_of_curves
 from budget.report.pages import figure, line
@@ -48,13 +46,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import SimpleNamespace
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
     from budget.model.noise import Process
-    from budget.report.figures.curves import Box
+    from budget.report.figures.curves import Place
 
 READ_IN = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 42.0, 160.0, 34.0, 52.0, 112.0  # [pt]
@@ -255,79 +252,53 @@ def allan_plot(allan: Allan) -> Plot:
 def _draw(allan: Allan, told: SimpleNamespace) -> Figure:
     """Draw each line, their sum, and the windows of the test, all logarithmic."""
     scale = allan.unit[1]
-    drawing = blank(ABOVE + HEIGHT + BELOW)
     whole = allan.whole / scale
-    averages = [one.average / scale for one in allan.marks]
-    least, high = float(whole.min()) / BELOW_SUM, 2.0 * max(whole.max(), *averages, 0.0)
-    curves = [
-        (source_title(name), one / scale, look_of(name))
-        for name, one in allan.deviations.items()
-    ]
-    seen = [float(one.min()) for _, one, _ in curves if one.max() > least]
-    low = max(least, min(seen) / 2.0)
+    curves = {name: one / scale for name, one in allan.deviations.items()}
+    least = float(whole.min()) / BELOW_SUM
+    seen = [float(one.min()) for one in curves.values() if one.max() > least]
+    low = max(min(seen) / 2.0, least)
+    high = 2.0 * max(whole.max(), *(one.average / scale for one in allan.marks), 0.0)
+    log = partial(Scale, kind="log", most=9)
+    drawing = blank(ABOVE + HEIGHT + BELOW)
     axes = add_plane(
         drawing,
-        Scale(
-            low=allan.times[0],
-            high=allan.times[-1],
-            kind="log",
-            most=9,
-            label=told.time_axis,
-        ),
-        Scale(low=low, high=high, kind="log", most=9, label=told.axis),
+        log(low=allan.times[0], high=allan.times[-1], label=told.time_axis),
+        log(low=low, high=high, label=told.axis),
         left=LEFT,
         top=ABOVE,
         right=RIGHT,
         height=HEIGHT,
     )
-    lines = [
-        (title, one, colour, 1.3, "--" if hatch == HATCH else "-")
-        for title, one, (colour, hatch, _) in curves
-        if float(one.max()) > low
+    drawn: list[tuple[str, Array, dict[str, Any]]] = [
+        (
+            source_title(name),
+            one,
+            {"color": colour, "linewidth": 1.3, "linestyle": dash},
+        )
+        for name, one in curves.items()
+        if one.max() > low
+        for colour, hatch, _ in [look_of(name)]
+        for dash in ["--" if hatch == HATCH else "-"]
     ]
     if len(curves) > 1:
-        lines.append((told.whole, whole, INK, 2.0, ":"))
-    looks: dict[str, dict[str, Any]] = {
-        title: {"color": colour, "linewidth": width, "linestyle": dash}
-        for title, _, colour, width, dash in lines
-    }
-    for title, one, *_ in lines:
-        axes.plot(allan.times, one, **looks[title])
-    _draw_marks(axes, allan, scale)
-    name_lines(axes, [(float(one[-1]), title) for title, one, *_ in lines], looks)
-    return drawing
-
-
-def _draw_marks(axes: Axes, allan: Allan, scale: float) -> None:
-    """Mark sigma at the windows of the test and u of their averages; write both."""
-    taken: list[Box] = []
-    across = axes.transData + axes.transAxes.inverted()
-    for one in allan.marks:
-        axes.axvline(one.length, color=INK, linewidth=0.8, linestyle="--")
-        text = line(PAGE, "window", length=one.length)
+        drawn.append(
+            (told.whole, whole, {"color": INK, "linewidth": 2.0, "linestyle": ":"})
+        )
+    for _, one, properties in drawn:
+        axes.plot(allan.times, one, **properties)
+    ends = [(float(one[-1]), title) for title, one, _ in drawn]
+    name_lines(axes, ends, {title: properties for title, _, properties in drawn})
+    texts: list[tuple[str, Sequence[Place]]] = []
+    for mark in allan.marks:
+        text = line(PAGE, "window", length=mark.length)
+        axes.axvline(mark.length, color=INK, linewidth=0.8, linestyle="--")
         for name, size, inside, width in (
-            (SIGMA, one.sigma / scale, INK, 3.5),
-            ("u", one.average / scale, "none", 7.0),
+            (SIGMA, mark.sigma / scale, INK, 3.5),
+            ("u", mark.average / scale, "none", 7.0),
         ):
-            axes.plot(
-                one.length,
-                size,
-                marker="o",
-                markerfacecolor=inside,
-                markeredgecolor=INK,
-                markersize=width,
-            )
+            look: dict[str, Any] = {"markerfacecolor": inside, "markeredgecolor": INK}
+            axes.plot(mark.length, size, "o", markersize=width, **look)
             text += f"\n{name} {round_uncertainty(size)}"
-        half = max(map(text_width, text.split("\n"))) / 2.0 + 1.0
-        at = (WIDTH - LEFT - RIGHT) * float(across.transform((one.length, 1.0))[0])
-        box = (at - half, 0.0, at + half, 1.0)
-        if free_place([box], (-inf, 0.0, inf, 1.0), taken) is not None:
-            write(
-                axes,
-                text,
-                (one.length, 1.0),
-                (0.0, 4.0),
-                ha="center",
-                va="bottom",
-                coords=("data", "axes fraction"),
-            )
+        texts.append((text, [((mark.length, high), 0.0, 1.0)]))
+    write_apart(axes, texts, everywhere=True)
+    return drawing

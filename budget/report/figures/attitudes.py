@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from itertools import product
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
 
@@ -12,16 +11,16 @@ import numpy as np
 
 from budget.calibration.schemes import calibrates, schedule_of
 from budget.inputs.records import AXES, UNCALIBRATED
+from budget.report.figures.curves import arrow
 from budget.report.figures.style import (
     BLUE,
     GRID,
     INK,
     MUTED,
-    SMALL,
-    add_panel,
+    add_picture,
     blank,
     rgb,
-    without_name,
+    write,
 )
 from budget.report.figures.tabled import Plot, entries
 from budget.report.pages import figure
@@ -37,12 +36,14 @@ if TYPE_CHECKING:
     from budget.model.windows import Window
     from budget.report.blocks import Table
 
-ACROSS, CELL, NAMES, AIR = 5, 50.0, 24.0, 4.0  # cells, and their sizes [pt]
-SPAN = 1.35  # of a cell from its middle, in half edges of the cube times 2 [1]
-HALF, TIP = 0.42, 1.06  # edge of the cube over 2, end of an axis [1]
+ACROSS, WIDE, HIGH, EDGE = 5, 52.0, 74.0, 4.0  # cells, and their sizes [pt]
+SCALE = 50.0 / 2.7  # of the drawing [pt]; lengths without a unit are times this
+NAME, COUNT = -33.0, -43.0  # base lines of the words below a cube, from its middle [pt]
+HALF, TIP, BEYOND = 0.42, 1.06, 0.24  # half an edge, end of an axis, its name beyond it
+NEAR = 0.36  # of two names: the second is not written
 ALIGNED = 0.9999  # cosine from which on an axis is vertical [1]
 DIGITS = 4  # of directions that are one
-RING, RADIUS, OPEN = 0.72, 0.42, 300.0  # place and size of a turn's arc [1], [deg]
+RING, RADIUS, OPEN = 0.72, 0.42, 300.0  # place and size of a turn's arc, [deg]
 EAST_OF_SOUTH, ABOVE = radians(-30.0), radians(25.0)  # where one looks from
 RIGHT = np.array([cos(EAST_OF_SOUTH), sin(EAST_OF_SOUTH), 0.0])
 UP = np.array(
@@ -52,7 +53,9 @@ UP = np.array(
         cos(ABOVE),
     ]
 )
+SEEN = np.column_stack([RIGHT, UP])  # of east, north, up what is seen right and up
 SIGHT = np.cross(RIGHT, UP)  # to who looks, east, north, up
+CORNERS = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])  # of a face
 PAGE = "figures_attitudes"
 
 
@@ -102,16 +105,29 @@ class Positions:
         ]
         if procedure.windows:  # one clock: what both triads use is one window
             every = list(dict.fromkeys(replace(one, use="both") for one in every))
-        found: dict[bool, dict[Any, list[Window]]] = {True: {}, False: {}}
+        found: dict[Any, list[Window]] = {}
         for window in every:
-            found[bool(window.sense)].setdefault(_alike(window), []).append(window)
-        dwells, turns = (
-            tuple(_attitude(own) for own in found[is_turn].values())
-            for is_turn in (False, True)
+            up = window.setting.after(0.0).to_body[:, 2]
+            axis = _turned(window)
+            # Of turns it counts whether they are about the vertical.
+            alike = _key(up) if axis is None else (abs(up[axis]) >= ALIGNED,)
+            found.setdefault((axis, alike), []).append(window)
+        gathered = [
+            Attitude(
+                to_body=own[0].setting.after(0.0).to_body,
+                about=axis,
+                windows=tuple(own),
+            )
+            for (axis, _), own in found.items()
+        ]
+        return (
+            None
+            if len(gathered) <= 1
+            else cls(
+                dwells=tuple(one for one in gathered if one.about is None),
+                turns=tuple(one for one in gathered if one.about is not None),
+            )
         )
-        if len(dwells) + len(turns) <= 1:
-            return None
-        return cls(dwells=dwells, turns=turns)
 
     @property
     def every(self) -> tuple[Attitude, ...]:
@@ -121,20 +137,15 @@ class Positions:
     @property
     def ups(self) -> Counter[tuple[str, int]]:
         """How often each axis is up or down, of the dwells where one is."""
-        return Counter(
-            {
-                one.vertical: len(one.windows)
-                for one in self.dwells
-                if one.vertical is not None
-            }
-        )
+        pairs = [(one.vertical, len(one.windows)) for one in self.dwells]
+        return Counter({axis: times for axis, times in pairs if axis is not None})
 
     @property
     def even(self) -> int:
         """How often every axis is up and down; 0 where that differs."""
-        counts = set(self.ups.values())
-        every = len(self.ups) == len(self.dwells) == 2 * len(AXES)
-        return counts.pop() if every and len(counts) == 1 else 0
+        ups, counts = self.ups, {*self.ups.values()}
+        is_even = len(ups) == len(self.dwells) == 2 * len(AXES) and len(counts) == 1
+        return counts.pop() if is_even else 0
 
     @property
     def positions(self) -> int:
@@ -152,29 +163,14 @@ class Positions:
         return [AXES[k] for k in sorted({one.about or 0 for one in self.turns})]
 
 
-def _alike(window: Window) -> tuple[object, ...]:
-    """Return what windows of one attitude have in common."""
-    standing = window.setting.after(0.0)
-    up = standing.to_body[:, 2]
-    if not window.sense:
-        return _key(up)
-    axis = int(np.argmax(np.abs(window.setting.turn_axis)))
-    is_vertical = abs(up[axis]) >= ALIGNED
-    return (axis, is_vertical)
+def _turned(window: Window) -> int | None:
+    """Return the body axis that a window turns about; None where it stands."""
+    return int(np.argmax(np.abs(window.setting.turn_axis))) if window.sense else None
 
 
 def _key(values: Array) -> tuple[float, ...]:
     """Return numbers that are equal where directions are."""
     return tuple((np.round(values, DIGITS) + 0.0).ravel().tolist())
-
-
-def _attitude(windows: Sequence[Window]) -> Attitude:
-    """Gather windows that are alike."""
-    first = windows[0]
-    about = int(np.argmax(np.abs(first.setting.turn_axis))) if first.sense else None
-    return Attitude(
-        to_body=first.setting.after(0.0).to_body, about=about, windows=tuple(windows)
-    )
 
 
 def positions_plot(positions: Positions) -> Plot:
@@ -189,149 +185,66 @@ def positions_plot(positions: Positions) -> Plot:
 
 def _draw(positions: Positions, table: Table) -> Figure:
     """Draw a cube with its axes for each attitude, row by row."""
-    number = len(positions.every)
-    across = min(ACROSS, number)
-    height = AIR + (CELL + NAMES) * -(-number // across)
-    width = ACROSS * (CELL + 2.0)
-    drawing = blank(height, width=width)
+    across = min(ACROSS, len(positions.every))
+    high = EDGE + HIGH * -(-len(positions.every) // across)
+    drawing = blank(high, width=ACROSS * WIDE)
+    axes = add_picture(drawing, (0.0, ACROSS * WIDE), (-high, 0.0))
     ((_, own),) = entries(table)
     for place, (one, named) in enumerate(zip(positions.every, own, strict=True)):
         row, column = divmod(place, across)
-        axes = add_panel(
-            drawing,
-            left=column * width / ACROSS,
-            top=AIR + row * (CELL + NAMES),
-            width=width / ACROSS,
-            height=CELL,
-        )
-        reach = SPAN * width / ACROSS / CELL
-        axes.set_xlim(-reach, reach)
-        axes.set_ylim(-SPAN, SPAN)
-        axes.set_xticks([])
-        axes.set_yticks([])
-        without_name(axes.xaxis)
-        without_name(axes.yaxis)
-        _draw_cube(axes, one)
-        for k, text in enumerate((named.label, named.count)):
-            axes.annotate(
-                text,
-                (0.5, 0.0),
-                (0.0, -8.0 - 10.0 * k),
-                xycoords="axes fraction",
-                textcoords="offset points",
-                fontsize=SMALL,
-                color=MUTED if k else INK,
-                ha="center",
-                va="baseline",
+        middle = np.array([WIDE * (column + 0.5), -EDGE - HIGH * row - WIDE / 2.0])
+        _draw_cube(axes, one, middle)
+        for text, base, colour in (
+            (named.label, NAME, INK),
+            (named.count, COUNT, MUTED),
+        ):
+            at = (float(middle[0]), float(middle[1]))
+            write(
+                axes, text, at, (0.0, base), ha="center", va="baseline", colour=colour
             )
     return drawing
 
 
-def _seen(points: Array) -> Array:
-    """Return where points east, north, up (n, 3) are in the picture, (n, 2)."""
-    return np.asarray(points @ np.column_stack([RIGHT, UP]))
-
-
-def _draw_cube(axes: Axes, one: Attitude) -> None:
+def _draw_cube(axes: Axes, one: Attitude, middle: Array) -> None:
     """Draw the faces that one sees, the axes, and how it turns."""
-    from matplotlib.patches import Polygon
+
+    def seen(points: Array) -> Array:
+        """Return where points east, north, up (n, 3) are in the picture (n, 2) [pt]."""
+        return np.asarray(middle + SCALE * points @ SEEN)
 
     body = one.to_body.T  # columns: x, y, z in east, north, up
-    for axis, sign in product(range(3), (-1.0, 1.0)):
-        normal = sign * body[:, axis]
-        if normal @ SIGHT <= 0.0:
-            continue
-        j, k = body[:, (axis + 1) % 3], body[:, (axis + 2) % 3]
-        corners = [
-            HALF * (normal + a * j + b * k)
-            for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
-        ]
-        axes.add_patch(
-            Polygon(
-                _seen(np.array(corners)),
-                facecolor=(*rgb(GRID), 0.55),
-                edgecolor=MUTED,
-                linewidth=0.8,
-                zorder=2.0,
-            )
+    for axis, normal in enumerate(body.T):
+        side = HALF * np.sign(normal @ SIGHT)  # of the two faces that which one sees
+        beside = np.delete(body, axis, axis=1)
+        axes.fill(
+            *seen(side * normal + HALF * CORNERS @ beside.T).T,
+            facecolor=(*rgb(GRID), 0.55),
+            edgecolor=MUTED,
+            linewidth=0.8,
+            zorder=2.0,
         )
-    vertical = one.vertical
     taken: list[Array] = []
-    order = sorted(range(3), key=lambda axis: -abs(body[2, axis]))
-    for axis in order:
+    for axis in sorted(range(3), key=lambda axis: -abs(body[2, axis])):
         end = body[:, axis]
-        is_up = vertical is not None and AXES[axis] == vertical[0]
         is_turned = axis == one.about
+        is_strong = is_turned or AXES[axis] in (one.vertical or ())
         colour = BLUE if is_turned else INK
-        is_behind = end @ SIGHT < 0.0
-        start, tip = _seen(np.array([HALF * end, TIP * end]))
-        axes.annotate(
-            "",
-            tip,
-            start,
-            arrowprops={
-                "arrowstyle": "-|>,head_length=0.25,head_width=0.13",
-                "color": colour,
-                "linewidth": 1.8 if is_up or is_turned else 0.9,
-                "shrinkA": 0.0,
-                "shrinkB": 0.0,
-                "zorder": 1.0 if is_behind else 3.0,
-            },
-            zorder=1.0 if is_behind else 3.0,
+        line = seen(np.outer((HALF, TIP), end))
+        order = 1.0 if end @ SIGHT < 0.0 else 3.0
+        arrow(
+            axes, line, color=colour, linewidth=1.8 if is_strong else 0.9, zorder=order
         )
         if is_turned:
-            _draw_turn(axes, end, colour)
-        _name_axis(axes, AXES[axis], tip, taken, is_strong=is_up or is_turned)
-
-
-def _name_axis(
-    axes: Axes, name: str, tip: Array, taken: list[Array], *, is_strong: bool
-) -> None:
-    """Write the name of an axis beyond its end, unless another one is there."""
-    length = float(np.hypot(*tip)) or 1.0
-    at = tip * (1.0 + 0.24 / length)
-    if any(np.hypot(*(at - other)) < NEAR for other in taken):
-        return
-    taken.append(at)
-    axes.annotate(
-        name,
-        (float(at[0]), float(at[1])),
-        fontsize=SMALL,
-        fontweight="bold" if is_strong else "normal",
-        color=INK,
-        ha="center",
-        va="center",
-        zorder=5.0,
-    )
-
-
-NEAR = 0.36  # of two names [1]
-
-
-def _draw_turn(axes: Axes, axis: Array, colour: str) -> None:
-    """Draw an arc with a head about an axis, the right-handed way."""
-    across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
-    across /= np.linalg.norm(across)
-    beside = np.cross(axis, across)
-    t = np.radians(np.linspace(0.0, OPEN, 40))
-    points = RING * axis + RADIUS * (
-        np.outer(np.cos(t), across) + np.outer(np.sin(t), beside)
-    )
-    seen = _seen(points)
-    axes.plot(*seen.T, color=colour, linewidth=1.1, zorder=4.0)
-    axes.annotate(
-        "",
-        (float(seen[-1, 0]), float(seen[-1, 1])),
-        (float(seen[-4, 0]), float(seen[-4, 1])),
-        arrowprops={
-            "arrowstyle": "-|>,head_length=0.3,head_width=0.18",
-            "color": colour,
-            "linewidth": 1.1,
-            "shrinkA": 0.0,
-            "shrinkB": 0.0,
-        },
-        zorder=4.0,
-    )
+            across, beside = np.roll(body, -axis, axis=1)[:, 1:].T
+            t = np.radians(np.linspace(0.0, OPEN, 40))
+            arc = np.outer(np.cos(t), across) + np.outer(np.sin(t), beside)
+            arrow(axes, seen(RING * end + RADIUS * arc), color=colour, linewidth=1.1)
+        out = line[1] - middle
+        at = line[1] + BEYOND * SCALE * out / (float(np.hypot(*out)) or 1.0)
+        if all(np.hypot(*(at - other)) >= NEAR * SCALE for other in taken):
+            taken.append(at)
+            place = (float(at[0]), float(at[1]))
+            write(axes, AXES[axis], place, ha="center", va="center", strong=is_strong)
 
 
 def _component(one: Attitude, axis: int) -> str:

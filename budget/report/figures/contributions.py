@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import fsum, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from budget.names import Name
 from budget.report.figures.rows import (
     Bar,
     Chart,
@@ -44,22 +46,14 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from budget.report.tables import GroupTable, OutputRow, SourceRow
-    from budget.results import Assessment, Budget
+    from budget.results import Assessment, Budget, JudgedOutput
 
 PAGE = "figures_contributions"
 FEWEST = 2  # sources: one bar alone says nothing that a sentence does not
 MOST_ROWS = 7  # sources that have a row of their own
 PITCH = 14.0  # from row to row [pt]
+BAR = 11.0  # height of a bar [pt]
 AIR = 1.06  # reach of an axis over the longest bar [1]
-
-
-@dataclass(frozen=True, kw_only=True)
-class OutputLimit:
-    """What an output is held against."""
-
-    at: float  # [unit of the group]
-    printed: str
-    used: float  # part of it that the output takes [1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,25 +62,20 @@ class Critical:
 
     group: GroupTable
     place: int
-    limit: OutputLimit | None
+    limit: JudgedOutput | None  # what it is held against
 
     @classmethod
     def of(cls, group: GroupTable, assessment: Assessment | None) -> Critical:
         """Choose it; of equal ones the first."""
-        limits: dict[str, OutputLimit] = {}
-        for one in assessment.outputs if assessment else ():
-            name = one.output.name
-            if (name.owner, name.quantity) == (group.sensor, group.parameter):
-                limits[name.axis] = OutputLimit(
-                    at=one.limit / one.output.si_per_unit,
-                    printed=one.printed_limit,
-                    used=one.utilisation,
-                )
-        sizes = [
-            limits[row.axis].used if row.axis in limits else 0.0 for row in group.rows
-        ]
-        if not limits:
-            sizes = [row.expanded.exact for row in group.rows]
+        of = Name(group.parameter, owner=group.sensor)
+        rows = assessment.outputs if assessment else ()
+        limits = {
+            one.output.name.axis: one for one in rows if one.output.name.group == of
+        }
+        sizes = [row.expanded.exact for row in group.rows]
+        if limits:
+            judged = [limits.get(row.axis) for row in group.rows]
+            sizes = [one.utilisation if one else 0.0 for one in judged]
         place = first_largest(sizes)
         return cls(group=group, place=place, limit=limits.get(group.rows[place].axis))
 
@@ -103,12 +92,11 @@ class Critical:
     @property
     def sources(self) -> list[SourceRow]:
         """Those that can be seen, its largest first."""
+        least, at = SMALL_SHARE / 10.0, self.place
         shown = [
-            row
-            for row in self.group.sources
-            if row.cells[self.place].share.exact >= SMALL_SHARE / 10.0
+            row for row in self.group.sources if row.cells[at].share.exact >= least
         ]
-        shown.sort(key=lambda row: -settle(row.cells[self.place].u.exact))
+        shown.sort(key=lambda row: -settle(row.cells[at].u.exact))
         return shown[:MOST_ROWS]
 
 
@@ -132,10 +120,17 @@ def tornado_chart(critical: Critical) -> Chart | None:
     scale = Scale(low=-most, high=most, lines=((0.0, ""),), label=said.axis)
     drawn = rows_of(
         table,
-        lambda at, source: [
-            Bar(start=-at.u, end=at.u, tip=at.tip, **_look(look_of(source)))
+        lambda at, look: [
+            Bar(
+                start=-at.u,
+                end=at.u,
+                tip=at.tip,
+                colour=look[0],
+                hatch=look[1],
+                height=BAR,
+            )
         ],
-        [source.source for source, _ in pairs],
+        [look_of(source.source) for source, _ in pairs],
     )
     return Chart(
         name=f"tornado-{critical.group.sensor}-{critical.group.parameter}",
@@ -146,11 +141,6 @@ def tornado_chart(critical: Critical) -> Chart | None:
         beside=heads_of(table),
         pitch=PITCH,
     )
-
-
-def _look(look: tuple[str, str, str]) -> dict[str, Any]:
-    """Return how a bar of a source looks."""
-    return {"colour": look[0], "hatch": look[1], "height": 11.0}
 
 
 def waterfall_chart(critical: Critical) -> Chart | None:
@@ -196,16 +186,19 @@ def waterfall_chart(critical: Critical) -> Chart | None:
             for start, (title, end, _) in steps
         ],
     )
-    limit = critical.limit
+    held = critical.limit
+    limits = [held.limit / held.output.si_per_unit] if held else []
     scale = Scale(
         low=0.0,
-        high=AIR * max(largest, whole, limit.at if limit else 0.0) ** 2,
-        lines=((limit.at**2, said.limit),) if limit else (),
+        high=AIR * max(largest, whole, *limits) ** 2,
+        lines=tuple((limit**2, said.limit) for limit in limits),
         label=said.axis,
     )
     drawn = rows_of(
         table,
-        lambda at, look: [Bar(start=at.start, end=at.end, **_look(look))],
+        lambda at, look: [
+            Bar(start=at.start, end=at.end, colour=look[0], hatch=look[1], height=BAR)
+        ],
         [look for _, (*_, look) in steps],
     )
     return Chart(
@@ -226,15 +219,8 @@ STEPS = ((0.75, 1.0), (0.5, 0.72), (SEEN, 0.5))
 
 def correlated(budget: Budget) -> list[int]:
     """Return the places of the outputs that are correlated with another one."""
-    r = _off_diagonal(budget)
-    return [k for k in range(len(r)) if np.abs(r[k]).max(initial=0.0) >= SEEN]
-
-
-def _off_diagonal(budget: Budget) -> np.ndarray:
-    """Return the correlations of outputs with others, their own taken out."""
-    r = budget.correlation.copy()
-    np.fill_diagonal(r, 0.0)
-    return r
+    r = np.abs(budget.correlation - np.diag(np.diag(budget.correlation)))
+    return [k for k in range(len(r)) if r[k].max(initial=0.0) >= SEEN]
 
 
 def correlation_chart(budget: Budget) -> Chart | None:
@@ -242,9 +228,10 @@ def correlation_chart(budget: Budget) -> Chart | None:
     places = correlated(budget)
     if not places:
         return None
-    r = 100.0 * _off_diagonal(budget)[places][:, places]
+    r = 100.0 * budget.correlation[places][:, places]
+    np.fill_diagonal(r, 0.0)
     view = {"r": r.tolist(), "names": [budget.outputs[k].output.name for k in places]}
-    view |= {"seen": 100.0 * SEEN, "print": _per_cent}
+    view |= {"seen": 100.0 * SEEN, "print": partial(print_decimals, decimals=0)}
     most = np.unravel_index(first_largest(np.abs(r).ravel().tolist()), r.shape)
     said, table = figure(PAGE, "correlation", most=[*map(int, most)], **view)
     drawn = rows_of(table, lambda at: cells(at, _correlated))
@@ -268,17 +255,14 @@ def correlation_chart(budget: Budget) -> Chart | None:
 def _correlated(cell: SimpleNamespace) -> dict[str, Any] | None:
     """Return how a cell of the map looks; None below what is drawn."""
     r = (cell.exact or 0.0) / 100.0
-    if abs(r) < SEEN:
-        return None
-    opacity = next(opacity for edge, opacity in STEPS if abs(r) >= edge)
-    return {
-        "colour": BLUE if r > 0.0 else VERMILION,
-        "opacity": opacity,
-        "height": 13.0,
-        "text_colour": ON_DARK if opacity == 1.0 else INK,
-    }
-
-
-def _per_cent(r: float) -> str:
-    """Print a correlation in whole per cent."""
-    return print_decimals(r, 0)
+    opacity = next((opacity for edge, opacity in STEPS if abs(r) >= edge), 0.0)
+    return (
+        None
+        if not opacity
+        else {
+            "colour": BLUE if r > 0.0 else VERMILION,
+            "opacity": opacity,
+            "height": 13.0,
+            "text_colour": ON_DARK if opacity == 1.0 else INK,
+        }
+    )

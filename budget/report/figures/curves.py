@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any
 
-from budget.report.figures.style import INCH, INK, PAPER, SMALL, write
+import numpy as np
+
+from budget.report.figures.style import INCH, text_width, write
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     from matplotlib.axes import Axes
+
+    from budget.arrays import Array
 
 APART = 10.5  # lines of names beside an axis [pt]
 AIR, PIECE = 5.0, 12.0  # before a name, and of the piece of its line [pt]
@@ -76,25 +82,23 @@ def in_two_lines(text: str) -> str:
     return "\n".join((" ".join(words[:best]), " ".join(words[best:])))
 
 
-def on_paper(
-    axes: Axes,
-    text: str,
-    at: tuple[float, float],
-    shift: tuple[float, float],
-    *,
-    ha: str = "left",
+HEAD_LENGTH, HEAD_WIDTH = 3.2, 1.7  # of an arrow, from its middle line [pt]
+
+
+def arrow(
+    axes: Axes, line: Array, *, color: str, linewidth: float, zorder: float = 4.0
 ) -> None:
-    """Write a text over lines or areas, on paper of its own."""
-    axes.annotate(
-        text,
-        at,
-        xytext=shift,
-        textcoords="offset points",
-        fontsize=SMALL,
-        color=INK,
-        ha=ha,
-        va="center",
-        bbox={"facecolor": PAPER, "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
+    """Draw a line (n, 2), in axes of points, with a head at its end."""
+    along = line[-1] - line[-2]
+    along /= float(np.hypot(*along)) or 1.0
+    base, across = (
+        line[-1] - HEAD_LENGTH * along,
+        HEAD_WIDTH * along[::-1] * (-1.0, 1.0),
+    )
+    look: dict[str, Any] = {"color": color, "zorder": zorder}
+    axes.plot(*line.T, linewidth=linewidth, solid_capstyle="butt", **look)
+    axes.fill(
+        *np.array([line[-1], base + across, base - across]).T, linewidth=0, **look
     )
 
 
@@ -116,3 +120,44 @@ def free_place(boxes: Iterable[Box], within: Box, taken: list[Box]) -> int | Non
             taken.append((left, low, right, high))
             return place
     return None
+
+
+LINE = 11.0  # height of a line of a small text, with the air around it [pt]
+GAP = 2.0  # from a text to what it is the name of [pt]
+Place = tuple[Sequence[float], float, float]  # a point; halves of a text beyond it
+
+
+def write_apart(
+    axes: Axes,
+    names: Iterable[tuple[str, Sequence[Place]]],
+    *,
+    marks: Iterable[Array] = (),
+    paper: float = 0.0,
+    everywhere: bool = False,
+) -> None:
+    """Write each text at the first of its places that is free, if any.
+
+    That is within the axes, unless they may stand everywhere, on no other text and on
+    none of the marks, points (n, 2) each.
+    """
+    scale = INCH / axes.figure.dpi
+    ends: Any = (
+        (-inf, -inf, inf, inf) if everywhere else np.multiply(scale, axes.bbox.extents)
+    )
+    seen = [scale * axes.transData.transform(one) for one in marks]
+    taken: list[Box] = [(*one.min(axis=0), *one.max(axis=0)) for one in seen]
+    for text, places in names:
+        rows = text.split("\n")
+        size = np.array([max(map(text_width, rows)) + 2.0, LINE * len(rows)])
+        shifts = [(size / 2.0 + GAP) * (right, up) for _, right, up in places]
+        middles = [
+            scale * axes.transData.transform(at) + shift
+            for (at, *_), shift in zip(places, shifts, strict=True)
+        ]
+        boxes = [(*(at - size / 2.0), *(at + size / 2.0)) for at in middles]
+        found = free_place(boxes, ends, taken)
+        if found is not None:
+            (x, y), shift = places[found][0], shifts[found]
+            write(
+                axes, text, (x, y), tuple(shift), ha="center", va="center", paper=paper
+            )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,21 +21,17 @@ from budget.report.figures.style import (
 )
 from budget.report.figures.tabled import Plot
 from budget.report.pages import figure
-from budget.report.tables import (
-    Number,
-    print_coverage,
-    print_given,
-    round_error,
-)
+from budget.report.tables import print_coverage, print_given, round_error
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from matplotlib.figure import Figure
 
+    from budget.report.tables import Number
     from budget.studies.densities import ErrorDensity
 
-LEFT, RIGHT, TOP, BELOW = 12.0, 12.0, 16.0, 34.0  # [pt]
+SIDE, TOP, BELOW = 12.0, 16.0, 34.0  # around the panel [pt]
 HEIGHT = 156.0  # [pt]
 STRIP = 0.3  # height of the intervals below the density, over its peak [1]
 FAR = 2.2  # a limit beyond so many times the reach of the trials is not drawn [1]
@@ -49,20 +44,27 @@ PAGE = "figures_density"
 
 def density_plot(density: ErrorDensity, *, coverage: float) -> Plot:
     """Show the density of one output: trials, the normal law over it, limits."""
+    output, limit = density.output, density.limit
+
+    def marked(x: float, *, is_mean: bool = False, is_end: bool = False) -> Number:
+        """Round a mean, a lower end or another number; what lines not given move."""
+        known = Known(x) if is_mean else density.u.like(x)
+        return round_error(known.falling if is_end else known, density.u, output)
+
     said, table = figure(
         PAGE,
         "density",
         density=density,
         coverage=coverage,
         beyond=part_beyond(density),
-        limit=_limit(density),
-        is_far=density.limit is not None and not _limits(density),
-        scale=density.output.si_per_unit,
-        rounded=lambda x: round_error(x, density.u, density.output).text,
-        marked=partial(_marked, density),
+        limit=print_given((limit or 0.0) / output.si_per_unit),
+        is_far=limit is not None and not _limits(density),
+        scale=output.si_per_unit,
+        rounded=lambda x: round_error(x, density.u, output).text,
+        marked=marked,
     )
     return Plot(
-        name=f"density-{density.output.name}",
+        name=f"density-{output.name}",
         said=said,
         table=table,
         draw=lambda: _draw(density, f"{print_coverage(coverage)} %", said),
@@ -72,20 +74,19 @@ def density_plot(density: ErrorDensity, *, coverage: float) -> Plot:
 def _draw(density: ErrorDensity, share: str, said: SimpleNamespace) -> Figure:
     """Draw the density of trials, the normal law over it, intervals and limits."""
     drawing, scale = blank(HEIGHT), density.output.si_per_unit
-    width, height = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BELOW
-    axes = add_panel(drawing, left=LEFT, top=TOP, width=width, height=height)
+    width = WIDTH - 2.0 * SIDE
+    axes = add_panel(
+        drawing, left=SIDE, top=TOP, width=width, height=HEIGHT - TOP - BELOW
+    )
     limits = _limits(density)
-    ends = (*_reach(density), *limits)
-    air = 0.02 * (max(ends) - min(ends))
-    low, high = min(ends) - air, max(ends) + air
-    axes.set_xlim(low / scale, high / scale)
+    ends = np.array([*_reach(density), *limits])
+    low, high = ends.min() - 0.02 * np.ptp(ends), ends.max() + 0.02 * np.ptp(ends)
+    axes.set(xlim=(low / scale, high / scale), ylim=(-STRIP, 1.04), yticks=[])
+    without_name(axes.yaxis)
     x = np.linspace(low, high, POINTS)
     law = np.exp(-0.5 * ((x - density.mean) / density.u) ** 2)
     law /= density.u * np.sqrt(2.0 * np.pi)
     peak = max(float(density.density.max()), float(law.max()))
-    axes.set_ylim(-STRIP, 1.04)
-    axes.set_yticks([])
-    without_name(axes.yaxis)
     far = np.inf if density.limit is None else density.limit
     for own, opacity in (
         ((-far, far), INSIDE),
@@ -94,32 +95,25 @@ def _draw(density: ErrorDensity, share: str, said: SimpleNamespace) -> Figure:
     ):
         edges = np.clip(density.edges, *own)  # bins that are not there have no width
         if edges[0] < edges[-1]:
-            axes.stairs(
-                density.density / peak,
-                edges / scale,
-                fill=True,
-                facecolor=BLUE,
-                alpha=opacity,
-                linewidth=0.0,
-            )
+            steps = axes.stairs(density.density / peak, edges / scale, fill=True)
+            steps.set(facecolor=BLUE, alpha=opacity, linewidth=0.0)
     axes.plot(x / scale, law / peak, color=INK, linewidth=1.1)
     axes.plot([low / scale, high / scale], [0.0, 0.0], color=MUTED, linewidth=0.6)
-    for y, (start, end), colour, text in (
+    for y, interval, colour, text in (
         (-0.09, density.interval, INK, said.law),
         (-0.21, density.interval_mc, BLUE, said.trials),
     ):
-        at = (start / scale, end / scale)
-        axes.plot(at, [y, y], color=colour, linewidth=3.0, solid_capstyle="butt")
-        write(axes, share, (at[0], y), (-4.0, 0.0), ha="right")
-        write(axes, text, (at[1], y), (4.0, 0.0))
+        start, end = (one / scale for one in interval)
+        axes.hlines(y, start, end, color=colour, linewidth=3.0)
+        write(axes, share, (start, y), (-4.0, 0.0), ha="right")
+        write(axes, text, (end, y), (4.0, 0.0))
     room = (text_width(said.limit) + AIR) * (high - low)
     are_near = len(limits) > 1 and 2.0 * far * width < room
-    for limit in limits:
-        side = ("right" if limit < 0.0 else "left") if are_near else "center"
-        at = (limit / scale, limit / scale)
+    for at, apart in zip(limits, ("right", "left"), strict=False):
+        side = apart if are_near else "center"
         dashes = (0.0, (5.0, 2.0))
-        axes.plot(at, [0.0, 1.04], color=INK, linewidth=1.0, linestyle=dashes)
-        write(axes, said.limit, (at[0], 1.04), (0.0, 3.0), ha=side, va="baseline")
+        axes.vlines(at / scale, 0.0, 1.04, color=INK, linewidth=1.0, linestyle=dashes)
+        write(axes, said.limit, (at / scale, 1.04), (0.0, 3.0), ha=side, va="baseline")
     axes.locator_params(axis="x", nbins=7, steps=[1, 2, 5, 10])
     axes.set_xticks([x for x in axes.get_xticks() if low <= x * scale <= high])
     axes.set_xlabel(said.axis, fontsize=SMALL, color=MUTED)
@@ -132,39 +126,22 @@ def part_beyond(density: ErrorDensity) -> float:
         return 0.0
     ends = np.clip(density.edges, -density.limit, density.limit)
     # Bins within the limits keep their width, those beyond have none left.
-    lost = np.diff(density.edges) - np.diff(ends)
-    return float((density.density * lost).sum())
+    return float(density.density @ (np.diff(density.edges) - np.diff(ends)))
 
 
 def _reach(density: ErrorDensity) -> tuple[float, float]:
     """Return the range where trials and law can be seen [SI]."""
-    low, high = density.interval_mc
+    (low, high), reach = density.interval_mc, REACH * density.u
     margin = 0.4 * (high - low)
-    return (
-        min(low - margin, density.mean - REACH * density.u),
-        max(high + margin, density.mean + REACH * density.u),
+    return min(low - margin, density.mean - reach), max(
+        high + margin, density.mean + reach
     )
 
 
 def _limits(density: ErrorDensity) -> tuple[float, ...]:
-    """Return the limits near enough to be drawn [SI]."""
-    if density.limit is None:
-        return ()
-    low, high = _reach(density)
-    middle, half = (low + high) / 2.0, (high - low) / 2.0
-    both = (-density.limit, density.limit)
-    return tuple(limit for limit in both if abs(limit - middle) <= FAR * half)
-
-
-def _marked(
-    density: ErrorDensity, value: float, *, is_mean: bool = False, is_end: bool = False
-) -> Number:
-    """Round a mean, a lower end or another number, which lines not given would move."""
-    known = Known.of(value, () if is_mean else density.lacks)
-    return round_error(known.falling if is_end else known, density.u, density.output)
-
-
-def _limit(density: ErrorDensity) -> str:
-    """Write the limit as it was given, in the unit of the output."""
-    limit = 0.0 if density.limit is None else density.limit
-    return print_given(limit / density.output.si_per_unit)
+    """Return the limits near enough to be drawn, rising [SI]."""
+    (low, high), limit = _reach(density), density.limit
+    both = () if limit is None else (-limit, limit)
+    return tuple(
+        x for x in both if abs(x - (low + high) / 2.0) <= FAR * (high - low) / 2.0
+    )

@@ -11,12 +11,10 @@ import numpy as np
 
 from budget.known import Known
 from budget.language import say
-from budget.model.source import ACCELEROMETER
 from budget.names import LENGTHS, MISSION, SPANS, time_text
-from budget.report.figures.curves import name_lines, on_paper
+from budget.report.figures.curves import name_lines
 from budget.report.figures.style import (
     GRID,
-    HATCH,
     INK,
     OTHER,
     PAPER,
@@ -26,6 +24,7 @@ from budget.report.figures.style import (
     blank,
     look_of,
     text_width,
+    write,
 )
 from budget.report.figures.tabled import Plot, alternative_of_curves, column_tips
 from budget.report.pages import figure, line
@@ -201,23 +200,12 @@ def _draw(
 ) -> Figure:
     """Draw sizes and limits on a logarithmic axis, and shares below on one of time."""
     drawing = blank(ABOVE + ERRORS + BETWEEN + STRIP + BELOW)
-    x, every = np.array(growth.curve.times), growth.sizes.values()
-    is_even = bool(growth.curve.measured)
-    largest = max(
-        [*(float(one.max()) for one in every), *(one.limit for one in limits)]
-    )
-    least = min(float(one.min()) for one in every)
-    low, high = max(least / 2.0, largest / REACH), 2.0 * largest
-    times = Scale(
-        low=x[0],
-        high=x[-1],
-        kind="linear" if is_even else "log",
-        ticks=time_ticks(x[0], x[-1], is_even=is_even),
-        label=told.time_axis,
-    )
-    unnamed = replace(
-        times, ticks=tuple((at, "") for at, _ in times.ticks or ()), label=""
-    )
+    x, spans = np.array(growth.curve.times), growth.curve.measured
+    every = np.array([*growth.sizes.values()])
+    largest = max(float(every.max()), *(one.limit for one in limits), 0.0)
+    low, high = max(float(every.min()) / 2.0, largest / REACH), 2.0 * largest
+    ticks = time_ticks(x[0], x[-1], is_even=bool(spans))
+    times = Scale(low=x[0], high=x[-1], kind="linear" if spans else "log", ticks=ticks)
     sizes = Scale(
         low=low,
         high=high,
@@ -225,95 +213,86 @@ def _draw(
         ticks=size_ticks(low, high, growth.error[0]),
         label=told.error_axis,
     )
-    shares = Scale(low=0.0, high=100.0, label=told.share_axis)
-    around = {"left": LEFT, "right": RIGHT}
-    axes = add_plane(drawing, unnamed, sizes, top=ABOVE, height=ERRORS, **around)
-    _draw_errors(axes, growth, limits)
-    top = ABOVE + ERRORS + BETWEEN
-    axes = add_plane(drawing, times, shares, top=top, height=STRIP, **around)
-    _draw_shares(axes, growth)
-    return drawing
-
-
-def _draw_errors(
-    axes: Axes, growth: ErrorGrowth, limits: Sequence[JudgedOutput]
-) -> None:
-    """Draw how large the error is, and what it may be when."""
-    x = np.array(growth.curve.times)
-    aided: dict[str, Any] = {"color": GRID, "alpha": AIDED, "linewidth": 0.0}
-    for begin, end in growth.curve.measured:
+    plane = partial(add_plane, drawing, left=LEFT, right=RIGHT)
+    unnamed = replace(times, ticks=tuple((at, "") for at, _ in ticks))
+    axes = plane(unnamed, sizes, top=ABOVE, height=ERRORS)
+    for begin, end in spans:
         if end > x[0]:
-            axes.axvspan(max(begin, x[0]), end, zorder=0.0, **aided)
-    for k, sizes in enumerate(growth.sizes.values(), start=1):
-        width = 1.8 if k == 1 else 1.0
-        axes.plot(x, sizes, color=INK, linewidth=width, gid=f"curve-{k}")
+            axes.axvspan(
+                max(begin, x[0]),
+                end,
+                zorder=0.0,
+                color=GRID,
+                alpha=AIDED,
+                linewidth=0.0,
+            )
+    for k, one in enumerate(every, start=1):
+        axes.plot(x, one, color=INK, linewidth=1.0 + 0.8 * (k == 1), gid=f"curve-{k}")
     for row in limits:
         at = (row.output.name.time or 0.0, row.limit)
-        axes.plot(
-            *at,
-            marker="D",
-            color=PAPER,
-            markeredgecolor=INK,
-            markersize=5.5,
-            clip_on=False,
-            zorder=4.0,
-        )
+        axes.plot(*at, "D", clip_on=False, zorder=4.0, **LIMIT)
         is_early = at[0] < sum(axes.get_xlim()) / 2.0
         shift, side = (8.0, "left") if is_early else (-8.0, "right")
-        on_paper(axes, row.printed_limit, at, (shift, 0.0), ha=side)
-    name_lines(axes, [(float(sizes[-1]), name) for name, sizes in growth.sizes.items()])
+        write(
+            axes, row.printed_limit, at, (shift, 0.0), ha=side, va="center", **PAPERED
+        )
+    name_lines(axes, [(float(one[-1]), name) for name, one in growth.sizes.items()])
+    shares = Scale(low=0.0, high=100.0, label=told.share_axis)
+    named = replace(times, label=told.time_axis)
+    axes = plane(named, shares, top=ABOVE + ERRORS + BETWEEN, height=STRIP)
+    for time in {time for span in spans for time in span if x[0] < time < x[-1]}:
+        axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
+    _draw_shares(axes, growth)
+    return drawing
 
 
 def _draw_shares(axes: Axes, growth: ErrorGrowth) -> None:
     """Draw areas one upon the other, the largest source at the bottom."""
     x = np.array(growth.curve.times)
-    for time in {time for span in growth.curve.measured for time in span}:
-        if x[0] < time < x[-1]:
-            axes.axvline(time, color=INK, linewidth=0.8, linestyle=":")
-    edges = np.cumsum(100.0 * np.maximum(growth.shares, 0.0), axis=0)
-    ends = np.vstack([np.zeros(x.size), edges])
-    names: list[tuple[float, str]] = []
-    for k, name in enumerate(growth.names):
-        source = growth.sources[k] if k < len(growth.sources) else OTHER
-        colour, hatch, _ = look_of(source)
+    shares = 100.0 * np.maximum(growth.shares, 0.0)
+    ends = np.vstack([np.zeros(x.size), np.cumsum(shares, axis=0)])
+    beside: list[tuple[float, str]] = []
+    for k, (name, source) in enumerate(
+        zip(growth.names, (*growth.sources, OTHER), strict=True)
+    ):
+        colour, hatch, _ = look_of(source, is_both=True)
         axes.fill_between(
             x,
             *ends[k : k + 2],
             facecolor=colour,
             edgecolor=PAPER,
             linewidth=0.8,
-            hatch=hatch or (HATCH if source.owner == ACCELEROMETER else ""),
+            hatch=hatch,
             gid=f"curve-{1 + len(growth.sizes) + k}",
         )
-        shares, middle = ends[k + 1] - ends[k], (ends[k + 1] + ends[k]) / 2.0
-        peak = int(np.argmax(shares))
-        if shares[-1] >= 100.0 * LEAST:
-            names.append((float(middle[-1]), name))
-        elif shares[peak] >= 100.0 * AREA:
+        peak, middle = int(np.argmax(shares[k])), ends[k : k + 2].mean(axis=0)
+        if shares[k, -1] >= 100.0 * LEAST:
+            beside.append((float(middle[-1]), name))
+        elif shares[k, peak] >= 100.0 * AREA:
             inner = max(peak, x.size // 8)
             at = (float(x[inner]), float(middle[inner]))
-            width = WIDTH - LEFT - RIGHT
-            across = (axes.transData + axes.transAxes.inverted()).transform(at)[0]
-            room = width * (1.0 - float(across)) - text_width(name) - AIR
-            on_paper(axes, name, at, (min(room, 0.0), 0.0))
-    name_lines(axes, names)
+            left = (axes.transData + axes.transAxes.inverted()).transform(at)[0]
+            room = (WIDTH - LEFT - RIGHT) * (1.0 - left) - text_width(name) - AIR
+            write(axes, name, at, (min(room, 0.0), 0.0), va="center", **PAPERED)
+    name_lines(axes, beside)
 
 
 AIR = 4.0  # between a name and the edge [pt]
+LIMIT: dict[str, Any] = {"color": PAPER, "markeredgecolor": INK, "markersize": 5.5}
+PAPERED: dict[str, Any] = {"paper": 0.85, "pad": 1.5}  # of a text over lines and areas
 
 
 def time_ticks(
     low: float, high: float, *, is_even: bool
 ) -> tuple[tuple[float, str], ...]:
     """Tick an axis of times at round ones."""
+    ticks: list[float] = []
     if is_even:
         step = next((t for t in TICKS if MOST_TICKS * t >= high - low), TICKS[-1])
         ticks = (step * np.arange(ceil(low / step), floor(high / step) + 1.0)).tolist()
-        return tuple((time, time_text(time)) for time in ticks)
-    ticks = []
-    for time in reversed([t for t in TICKS if low <= t <= high]):
-        if not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low):
-            ticks.append(time)
+    for time in () if is_even else reversed(TICKS):
+        is_apart = not ticks or log(ticks[-1] / time) >= TICK_ROOM * log(high / low)
+        ticks += [time] if low <= time <= high and is_apart else []
     return tuple((time, time_text(time)) for time in ticks)
 
 
@@ -322,8 +301,11 @@ def size_ticks(low: float, high: float, quantity: str) -> tuple[tuple[float, str
     units = DECADES[quantity]
     base = units[-1][1] if quantity == "attitude" else 1.0
     powers = range(ceil(log10(low / base)), floor(log10(high / base)) + 1)
-    sizes = [base * 10.0**power for power in powers[:: ceil(len(powers) / MOST_POWERS)]]
-    return tuple((size, _decade(size, units)) for size in sizes)
+    ticks = []
+    for size in (base * 10.0**k for k in powers[:: ceil(len(powers) / MOST_POWERS)]):
+        fitting = [*(own for own in units if size >= 0.999 * own[1]), units[-1]]
+        ticks.append((size, f"{size / fitting[0][1]:g} {fitting[0][0]}"))
+    return tuple(ticks)
 
 
 MOST_POWERS = 7  # on an axis
@@ -331,27 +313,16 @@ MOST_POWERS = 7  # on an axis
 
 def times_apart(times: Sequence[float]) -> list[str]:
     """Print times [s] to two digits, to more where one would look like another."""
-    texts = {k: [_around(time, k) for time in times] for k in range(2, MOST_DIGITS)}
+
+    def around(time: float, digits: int) -> str:
+        unit, size = next(own[:2] for own in SPANS if time >= own[1] or own[1] == 1.0)
+        return f"{float(f'{time / size:.{digits}g}'):.10g} {unit}"
+
+    texts = [[around(time, k) for time in times] for k in range(2, MOST_DIGITS)]
     return [
-        next((own[k] for own in texts.values() if own.count(own[k]) == 1), time_text(t))
-        for k, t in enumerate(times)
+        next((own[k] for own in texts if own.count(own[k]) == 1), time_text(time))
+        for k, time in enumerate(times)
     ]
-
-
-def _around(time: float, digits: int) -> str:
-    """Print a time to some digits."""
-    unit, size = next(
-        (unit, size) for unit, size, _ in SPANS if time >= size or size == 1.0
-    )
-    return f"{float(f'{time / size:.{digits}g}'):.10g} {unit}"
-
-
-def _decade(size: float, units: Sequence[Unit]) -> str:
-    """Print a power of ten in the unit that it is read in: '1 cm', '10 m', '1 km'."""
-    unit, scale = next(
-        ((unit, scale) for unit, scale in units if size >= 0.999 * scale), units[-1]
-    )
-    return f"{size / scale:g} {unit}"
 
 
 DECADES = {

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import groupby
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from budget.language import axis_title, words
 from budget.names import MISSION
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
         Assessment,
         Budget,
         JudgedOutput,
-        OutputBudget,
-        Validation,
     )
 
 PAGE = "figures_outputs"
@@ -142,30 +142,14 @@ def _ranked(assessment: Assessment, sensor: str) -> list[list[JudgedOutput]]:
     """
     own = [row for row in assessment.outputs if row.output.name.owner == sensor]
     groups = [
-        list(outputs)
-        for _, outputs in groupby(own, key=lambda output: output.output.name.group)
+        list(rows) for _, rows in groupby(own, key=lambda row: row.output.name.group)
     ]
-    order = from_largest([worst_of(outputs).utilisation for outputs in groups])
-    return [groups[k] for k in order]
+    worst = [worst_of(outputs).utilisation for outputs in groups]
+    return [groups[k] for k in from_largest(worst)]
 
 
 TEN = 10.0  # tolerances that are printed without decimals [1]
 LEAST_REACH, LINEAR_BELOW = 1.5, 6.0  # reach of the axis, in tolerances [1]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Check:
-    """Both interval ends of one output: the law's less Monte Carlo's."""
-
-    row: OutputBudget
-    validation: Validation
-    low: float  # in tolerances [1]
-    high: float  # in tolerances [1]
-
-    @property
-    def worst(self) -> float:
-        """The larger one in size [1]."""
-        return max(abs(self.low), abs(self.high))
 
 
 def validity_chart(budget: Budget, sensor: str) -> Chart | None:
@@ -224,19 +208,20 @@ def validity_chart(budget: Budget, sensor: str) -> Chart | None:
     )
 
 
-def _checks(budget: Budget, sensor: str) -> list[Check]:
-    """Return the outputs that were checked and have a spread to be checked."""
-    checks = []
-    for row in budget.outputs:
-        check = row.validation
-        if row.sensor != sensor or check is None or not row.is_resolved:
-            continue
-        low, high = (
-            (ours - theirs) / check.tolerance
-            for ours, theirs in zip(row.interval, check.interval, strict=True)
-        )
-        checks.append(Check(row=row, validation=check, low=low, high=high))
-    return checks
+def _checks(budget: Budget, sensor: str) -> list[SimpleNamespace]:
+    """Return the outputs that were checked and have a spread to be checked.
+
+    With both interval ends, the law's less Monte Carlo's, in tolerances [1].
+    """
+    return [
+        SimpleNamespace(row=row, validation=check, low=low, high=high, worst=worst)
+        for row in budget.outputs
+        if row.sensor == sensor and row.is_resolved
+        for check in [row.validation]
+        if check is not None
+        for low, high in [(np.array(row.interval) - check.interval) / check.tolerance]
+        for worst in [max(abs(low), abs(high))]
+    ]
 
 
 def _signed(value: float) -> str:

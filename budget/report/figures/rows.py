@@ -137,7 +137,6 @@ class Chart:
     has_data: bool = True  # whether that is shown: not where one beside it has the same
     numbers: Table | None = None  # what is shown in its place
     caption: str = ""
-    after: str = ""  # a sentence that ends the caption
     heads: tuple[Head, ...] = ()  # words above the first panel
     # Heads of the columns of texts on the right; '' for none.
     beside: tuple[str, ...] = ()
@@ -162,6 +161,11 @@ class Chart:
         """The panels of each side."""
         titles = dict.fromkeys(panel.side for panel in self.panels)
         return [[one for one in self.panels if one.side == side] for side in titles]
+
+    @property
+    def head(self) -> ChartRow:
+        """The heads of what stands on the right."""
+        return ChartRow(label="", marks=(), beside=self.beside)
 
     @property
     def alt(self) -> str:
@@ -238,7 +242,7 @@ def chart_picture(chart: Chart) -> Picture:
         title=chart.title,
         alt=chart.alt,
         tips=chart.tips,
-        caption=f"{chart.caption} {chart.after}".strip(),
+        caption=chart.caption,
         data=chart.data,
         narrow=draw(chart.narrow or replace(chart, width=WIDTH))
         if chart.width > WIDTH
@@ -252,45 +256,35 @@ def draw(chart: Chart) -> Figure:
     """Draw a figure of rows; what stands beside them has the room that it needs."""
     sides = chart.sides
     width = (chart.width - BETWEEN * (len(sides) - 1)) / len(sides)
-    room = _room(chart, width)
+    left, beside = room = _room(chart, width)
     above = _above(chart)
-    below = max(sum(_height(chart, panel) for panel in side) for side in sides)
-    abreast = _abreast(chart, room.left)
+    below = max(sum(_heights(chart, panel)[1] for panel in side) for side in sides)
+    abreast = _abreast(chart, left)
     legend = LINE * -(-len(chart.legend) // abreast)
-    foot = LINE + EDGE if chart.foot else EDGE
-    height = above + below + foot + legend
+    height = above + below + legend + (LINE + EDGE if chart.foot else EDGE)
     figure = blank(height, width=chart.width)
     figure.set_label(chart.title)
     place = 0
     for k, side in enumerate(sides):
-        start = k * (width + BETWEEN)
+        start, top = k * (width + BETWEEN), above
         write_on(figure, start + EDGE, 10.0, side[0].side, size=TEXT, weight="bold")
-        top = above
         for panel in side:
+            rows, whole = _heights(chart, panel)
             axes = add_panel(
                 figure,
-                left=start + room.left,
+                left=start + left,
                 top=top,
-                width=width - room.left - max(sum(room.beside) + EDGE, LAST_TICK),
-                height=_rows_height(chart, panel),
+                width=width - left - max(sum(beside) + EDGE, LAST_TICK),
+                height=rows,
             )
             _draw_panel(axes, chart, panel, room, place)
             place += len(panel.groups)
-            top += _height(chart, panel)
+            top += whole
     if chart.foot:
-        base = height - legend - EDGE
-        write_on(figure, EDGE, base, chart.foot, colour=MUTED)
+        write_on(figure, EDGE, height - legend - EDGE, chart.foot, colour=MUTED)
     if chart.legend:
-        _draw_legend(figure, chart, room.left, abreast)
+        _draw_legend(figure, chart, left, abreast)
     return figure
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Room:
-    """What stands beside the rows: names on the left, columns of texts [pt]."""
-
-    left: float
-    beside: list[float]
 
 
 def _gid(group: int, row: int, mark: int) -> str:
@@ -298,13 +292,12 @@ def _gid(group: int, row: int, mark: int) -> str:
     return f"tip-{group}-{row}-{mark}"
 
 
-def _room(chart: Chart, width: float) -> _Room:
-    """Return the room that names and texts beside the rows need."""
+def _room(chart: Chart, width: float) -> tuple[float, list[float]]:
+    """Return the room of names on the left, and of each column on the right [pt]."""
     rows = [row for group in chart.groups for row in group.rows]
     left = max(LEAST_NAMES, *(text_width(row.label, TEXT) + 12.0 for row in rows))
-    heads = ChartRow(label="", marks=(), beside=chart.beside)
     columns = [
-        max(_beside_width(row, k) for row in (*rows, heads))
+        max(_beside_width(row, k) for row in (*rows, chart.head))
         for k in range(max(len(row.beside) for row in rows))
     ]
     spare = MOST_BESIDE * width - left
@@ -313,12 +306,12 @@ def _room(chart: Chart, width: float) -> _Room:
         spare = max(spare, width - left - LEAST_PANEL)
     if sum(columns) > spare:  # the last column is cut
         columns[-1] = max(spare - sum(columns[:-1]), 0.0)
-    return _Room(left=left, beside=columns)
+    return left, columns
 
 
 def _beside_width(row: ChartRow, column: int) -> float:
     """Return the room that one text beside a row needs [pt]."""
-    text = row.beside[column] if column < len(row.beside) else ""
+    text = "".join(row.beside[column : column + 1])
     return (BOLD if row.strong else 1.0) * text_width(text) + 8.0 if text else 0.0
 
 
@@ -330,173 +323,136 @@ def _above(chart: Chart) -> float:
     return titles + LINE * max(levels, int(lines or any(chart.beside)))
 
 
-def _rows_height(chart: Chart, panel: ChartPanel) -> float:
-    """Return the height of the rows of a panel and their titles [pt]."""
-    return sum(
-        (HEAD if group.title else 0.0) + chart.pitch * len(group.rows)
-        for group in panel.groups
-    )
-
-
-def _height(chart: Chart, panel: ChartPanel) -> float:
-    """Return the height of a panel with its axis [pt]."""
+def _heights(chart: Chart, panel: ChartPanel) -> tuple[float, float]:
+    """Return the height of the rows of a panel with their titles, and with its axis."""
+    titles = HEAD * sum(bool(group.title) for group in panel.groups)
+    rows = titles + chart.pitch * sum(len(group.rows) for group in panel.groups)
     ticks = TICKS if panel.scale.ticks != () else 0.0
-    label = LABEL if panel.scale.label else 0.0
-    return _rows_height(chart, panel) + ticks + label + EDGE
+    return rows, rows + ticks + (LABEL if panel.scale.label else 0.0) + EDGE
 
 
 def _draw_panel(
-    axes: Axes, chart: Chart, panel: ChartPanel, room: _Room, place: int
+    axes: Axes,
+    chart: Chart,
+    panel: ChartPanel,
+    room: tuple[float, list[float]],
+    place: int,
 ) -> None:
     """Draw the groups of one panel; `place` is that of the first in the figure."""
     from matplotlib.collections import LineCollection
-    from matplotlib.ticker import FixedFormatter, FixedLocator
 
+    left, beside = room
     set_scale(axes, "x", panel.scale, by_room=True)
-    axes.set_ylim(_rows_height(chart, panel), 0.0)
+    axes.set_ylim(_heights(chart, panel)[0], 0.0)
     ticks: list[tuple[float, str]] = []
     top = 0.0
     for g, group in enumerate(panel.groups, start=place):
         if group.title:
-            _write_title(axes, top + HEAD / 2.0, group.title, room.left)
+            at, shift = (0.0, top + HEAD / 2.0), (EDGE - left, 0.0)
+            write(axes, group.title, at, shift, coords=BESIDE_AXES, **GROUP_TITLE)
             top += HEAD
         ends = (top, top + chart.pitch * len(group.rows))
-        if panel.scale.band:
-            axes.fill_betweenx(
-                ends, *panel.scale.band, color=GRID, alpha=0.6, linewidth=0.0
-            )
+        if band := panel.scale.band:
+            axes.fill_betweenx(ends, *band, color=GRID, alpha=0.6, linewidth=0.0)
         else:
             grid = [[(x, end) for end in ends] for x in axes.get_xticks()]
             axes.add_artist(LineCollection(grid, colors=GRID, linewidths=0.6, zorder=0))
         for r, row in enumerate(group.rows):
-            middle = top + chart.pitch / 2.0
+            middle = top + chart.pitch * (r + 0.5)
             ticks.append((middle, row.label))
             for m, mark in enumerate(row.marks):
                 _draw_mark(axes, middle, mark, _gid(g, r, m) if mark.tip else None)
-            _write_beside(axes, middle, row, room.beside, chart.flush)
-            top += chart.pitch
-    axes.yaxis.set_major_locator(FixedLocator([y for y, _ in ticks]))
-    axes.yaxis.set_major_formatter(FixedFormatter([text for _, text in ticks]))
+            _write_beside(axes, middle, row, beside, chart.flush)
+        top = ends[1]
+    axes.set_yticks([y for y, _ in ticks], [text for _, text in ticks])
     without_name(axes.yaxis)
+    is_first = panel is chart.panels[0]
     for x, text in panel.scale.lines:
         axes.axvline(x, color=INK if text else MUTED, linewidth=1.0 if text else 0.7)
-        _write_above(axes, Head(at=x, text=text))
-    if panel is chart.panels[0]:
-        for head in chart.heads:
-            _write_above(axes, head)
-        heads = ChartRow(label="", marks=(), beside=chart.beside)
-        _write_beside(axes, -LINE / 2.0, heads, room.beside, chart.flush)
+    named = [Head(at=x, text=text) for x, text in panel.scale.lines]
+    for head in (*named, *(chart.heads if is_first else ())):
+        write(
+            axes,
+            head.text,
+            (head.at, 1.0),
+            (0.0, EDGE + LINE * head.level),
+            coords=("data", "axes fraction"),
+            ha="center" if head.is_centred else "left",
+            va="baseline",
+            colour=head.colour,
+        )
+    if is_first:
+        _write_beside(axes, -LINE / 2.0, chart.head, beside, chart.flush)
+
+
+BESIDE_AXES = ("axes fraction", "data")
+GROUP_TITLE: dict[str, Any] = {
+    "va": "center",
+    "strong": True,
+    "size": TEXT,
+    "paper": 1.0,
+}
 
 
 def _draw_mark(axes: Axes, middle: float, mark: ChartMark, gid: str | None) -> None:
-    """Draw one mark on the line of its row."""
-    from matplotlib.lines import Line2D
+    """Draw one mark on the line of its row: a bar, its frame and its text, or a line.
 
-    y = middle + mark.lift
-    # The ends of the axes are set: artists are put on them, which `plot` and `barh`
-    # measure first, for axes that fit themselves to what is drawn.
-    if mark.shape == "-":
-        axes.add_artist(
-            Line2D(
-                [mark.start, mark.end],
-                [y, y],
-                color=mark.colour,
-                linewidth=mark.width,
-                zorder=3,
-                gid=gid,
-            )
-        )
-    elif mark.shape != "bar":
-        axes.add_artist(
-            Line2D(
-                [mark.start],
-                [y],
-                marker=mark.shape,
-                markersize=mark.width,
-                color=mark.colour,
-                markeredgecolor=mark.edge,
-                markeredgewidth=0.9,
-                linestyle="none",
-                zorder=4,
-                clip_on=False,
-                gid=gid,
-            )
-        )
-    else:
-        _draw_bar(axes, y, mark, gid)
-
-
-def _draw_bar(axes: Axes, y: float, bar: ChartMark, gid: str | None) -> None:
-    """Draw a bar, its frame and its text."""
+    The ends of the axes are set: artists are put on them, which `plot` and `barh`
+    measure first, for axes that fit themselves to what is drawn.
+    """
     from matplotlib.colors import to_rgba
+    from matplotlib.lines import Line2D
     from matplotlib.patches import Rectangle
 
-    low, high = sorted((bar.start, bar.end))
-    axes.add_artist(
-        Rectangle(
-            (low, y - bar.height / 2.0),
-            high - low,
-            bar.height,
-            facecolor=to_rgba(bar.colour, None if bar.opacity == 1.0 else bar.opacity),
-            edgecolor=bar.edge,
-            linewidth=bar.width,
-            # As `barh` hands it on: the id of a hatch is made of its repr.
-            hatch=np.str_(bar.hatch) if bar.hatch else None,
-            gid=gid,
+    y = middle + mark.lift
+    if mark.shape != "bar":
+        is_line = mark.shape == "-"
+        axes.add_artist(
+            Line2D(
+                [mark.start, mark.end] if is_line else [mark.start],
+                [y, y] if is_line else [y],
+                color=mark.colour,
+                linestyle="-" if is_line else "none",
+                linewidth=mark.width,
+                marker="" if is_line else mark.shape,
+                markersize=mark.width,
+                markeredgecolor=mark.edge,
+                markeredgewidth=0.9,
+                clip_on=is_line,
+                zorder=3 if is_line else 4,
+                gid=gid,
+            )
         )
-    )
-    if bar.is_framed:
-        height = bar.height - 1.0
+        return
+    low, high = sorted((mark.start, mark.end))
+    face = to_rgba(mark.colour, None if mark.opacity == 1.0 else mark.opacity)
+    # As `barh` hands it on: the id of a hatch is made of its repr.
+    hatch = np.str_(mark.hatch) if mark.hatch else None
+    bar = (mark.height, face, mark.edge, mark.width, hatch, gid)
+    frame = (mark.height - 1.0, "none", INK, 1.0, None, None)
+    for height, colour, edge, width, hatch, name in (bar, frame)[: 1 + mark.is_framed]:
         axes.add_artist(
             Rectangle(
                 (low, y - height / 2.0),
                 high - low,
                 height,
-                facecolor="none",
-                edgecolor=INK,
-                linewidth=1.0,
+                facecolor=colour,
+                edgecolor=edge,
+                linewidth=width,
+                hatch=hatch,
+                gid=name,
             )
         )
     start, end = axes.transData.transform([(low, y), (high, y)])[:, 0]
-    if bar.text and fits(bar.text, in_points(axes, end - start)):
+    if mark.text and fits(mark.text, in_points(axes, end - start)):
         write(
             axes,
-            bar.text,
+            mark.text,
             ((low + high) / 2.0, y),
-            strong=bar.strong,
-            colour=bar.text_colour,
+            strong=mark.strong,
+            colour=mark.text_colour,
             ha="center",
         )
-
-
-def _write_title(axes: Axes, middle: float, title: str, left: float) -> None:
-    """Write the title of a group, from the left edge of its side."""
-    axes.annotate(
-        title,
-        (0.0, middle),
-        xycoords=("axes fraction", "data"),
-        xytext=(EDGE - left, 0.0),
-        textcoords="offset points",
-        fontsize=TEXT,
-        fontweight="bold",
-        color=INK,
-        va="center",
-        bbox={"facecolor": PAPER, "edgecolor": "none", "pad": 1.0},
-    )
-
-
-def _write_above(axes: Axes, head: Head) -> None:
-    """Write a word above the panel."""
-    write(
-        axes,
-        head.text,
-        (head.at, 1.0),
-        (0.0, EDGE + LINE * head.level),
-        coords=("data", "axes fraction"),
-        ha="center" if head.is_centred else "left",
-        va="baseline",
-        colour=head.colour,
-    )
 
 
 def _write_beside(

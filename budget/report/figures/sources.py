@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from itertools import accumulate
 from math import fsum
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from budget.language import key_title
-from budget.model.source import ACCELEROMETER
 from budget.model.sources import SENSORS
 from budget.names import IMU, LENGTHS
 from budget.report.figures.rows import (
@@ -27,7 +26,6 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import (
     BLUE,
-    HATCH,
     INK,
     ON_DARK,
     OTHER,
@@ -57,7 +55,6 @@ from budget.ties import largest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-    from types import SimpleNamespace
 
     from budget.names import Name
     from budget.report.figures.rows import ChartMark
@@ -162,11 +159,7 @@ def _stacked(
     """
     said, table = figure(PAGE, macro, bars=bars, title=title, **view or {})
 
-    def look(source: Name) -> tuple[str, str, str]:
-        colour, hatch, ink = look_of(source)
-        of_second = is_both and source.owner == ACCELEROMETER
-        return (colour, hatch or HATCH, "") if of_second else (colour, hatch, ink)
-
+    look = partial(look_of, is_both=is_both)
     rows = []
     for (name_of, bar), (_, own) in zip(bars, entries(table), strict=True):
         ends = accumulate((100.0 * share for _, share in bar), initial=0.0)
@@ -399,25 +392,6 @@ APART = 4.0  # of the two dots of a source from the middle of its row [pt]
 GAP = 0.35  # opacity of the gap between them
 
 
-@dataclass(frozen=True, kw_only=True)
-class OutputIndices:
-    """The indices of one output that are not 0 to the digits printed."""
-
-    row: OutputBudget
-    shown: tuple[tuple[Name, SobolIndex], ...]  # in the order of all figures
-    zero: tuple[Name, ...]  # names of the other sources
-
-    @property
-    def interacts(self) -> bool:
-        """Whether any of those shown does."""
-        return any(index.interacts for _, index in self.shown)
-
-    @property
-    def ranked(self) -> list[tuple[Name, SobolIndex]]:
-        """Those shown by rank, then by total index."""
-        return sorted(self.shown, key=lambda pair: (pair[1].rank, -pair[1].total))
-
-
 def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     """Show first-order and total index of each source of a sensor, None without any.
 
@@ -427,7 +401,10 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
     if not found:
         return None
     seen = [
-        (one.row, *pair) for one in found for pair in one.shown if _can_be_seen(pair[1])
+        (one.row, *pair)
+        for one in found
+        for pair in one.ranked
+        if _can_be_seen(pair[1])
     ]
     gaps = [index.total - index.first for _, _, index in seen]
     said, table = figure(
@@ -436,6 +413,7 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         seen=[seen[k] for k in largest(gaps)],
         found=found,
         sensor=sensor,
+        interacts=any(pair[1].interacts for one in found for pair in one.ranked),
         first=_first,
         total=_total,
         can_be_seen=_can_be_seen,
@@ -457,31 +435,28 @@ def sobol_chart(budget: Budget, sensor: str) -> Chart | None:
         panels=(ChartPanel(scale=scale, groups=drawn),),
         table=table,
         caption=said.caption,
-        after=said.after,
         beside=(said.beside,),
         pitch=20.0,
     )
 
 
-def _widest(budget: Budget, sensor: str) -> tuple[OutputIndices, ...]:
-    """Return the indices of the output of each group with the largest spread."""
-    with_indices = [
-        row
-        for row in budget.outputs
-        if row.sensor == sensor and any(part.sobol for part in row.contributions)
-    ]
+def _widest(budget: Budget, sensor: str) -> list[SimpleNamespace]:
+    """Return the output of each group with the largest spread, where it has indices.
+
+    With its sources by rank, then by total index, `ranked`, and the names of those
+    whose index is `zero` to the digits that are printed.
+    """
     found = []
-    for row in widest_of_each(with_indices):
+    rows = [row for row in budget.outputs if row.sensor == sensor]
+    for row in widest_of_each(
+        [row for row in rows if any(part.sobol for part in row.contributions)]
+    ):
         own = {p.source: p.sobol for p in row.contributions if p.sobol is not None}
-        shown = [name for name in in_order(own) if float(_total(own[name])[0]) > 0.0]
-        found.append(
-            OutputIndices(
-                row=row,
-                shown=tuple((name, own[name]) for name in shown),
-                zero=tuple(name for name in in_order(own) if name not in shown),
-            )
-        )
-    return tuple(found)
+        zero = [name for name in in_order(own) if float(_total(own[name])[0]) <= 0.0]
+        shown = [(name, own[name]) for name in in_order(own) if name not in zero]
+        shown.sort(key=lambda pair: (pair[1].rank, -pair[1].total))
+        found.append(SimpleNamespace(row=row, ranked=shown, zero=zero))
+    return found
 
 
 def _index_marks(

@@ -15,7 +15,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
-from budget.model.source import COLOURS
+from budget.model.source import ACCELEROMETER, COLOURS
 from budget.model.sources import every_source
 from budget.names import Name
 from budget.report.blocks import Picture
@@ -108,9 +108,14 @@ OF_WINDOWS = ("backend", "backend_fallback", "interactive", "toolbar")
 _STYLED: ContextVar[bool] = ContextVar("_STYLED", default=False)
 
 
-def look_of(source: Name) -> Look:
-    """Return colour, hatch and colour of text of a source, whoever owns it."""
-    return looks().get(source.quantity, looks()[OTHER])
+def look_of(source: Name, *, is_both: bool = False) -> Look:
+    """Return colour, hatch and colour of text of a source, whoever owns it.
+
+    Where those of both triads are drawn, `is_both`, the second is hatched.
+    """
+    colour, hatch, ink = looks().get(source.quantity, looks()[OTHER])
+    of_second = is_both and source.owner == ACCELEROMETER
+    return (colour, hatch or HATCH, "") if of_second else (colour, hatch, ink)
 
 
 @contextmanager
@@ -160,6 +165,26 @@ def add_panel(
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0.0, labelsize=SMALL, labelcolor=MUTED)
     axes.tick_params(axis="y", labelsize=TEXT, labelcolor=INK, pad=5.5)
+    return axes
+
+
+def add_picture(
+    figure: Figure,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    *,
+    left: float = 0.0,
+    top: float = 0.0,
+    width: float | None = None,
+    height: float | None = None,
+) -> Axes:
+    """Add axes between these ends that have no numbers, of the whole figure without."""
+    whole = [float(INCH * inches) for inches in figure.get_size_inches()]
+    wide, high = width or whole[0], height or whole[1]
+    axes = add_panel(figure, left=left, top=top, width=wide, height=high)
+    axes.set(xlim=x, ylim=y, xticks=[], yticks=[])
+    without_name(axes.xaxis)
+    without_name(axes.yaxis)
     return axes
 
 
@@ -229,19 +254,27 @@ def write(
     strong: bool = False,
     colour: str = INK,
     coords: tuple[str, str] = ("data", "data"),
+    size: float = SMALL,
+    paper: float = 0.0,
+    pad: float = 1.0,
 ) -> None:
-    """Write a small text at a place of the axes, shifted by points."""
+    """Write a text at a place of the axes, shifted by points.
+
+    On paper of its own, of an opacity from 0 to 1, where it lies on something else.
+    """
+    beneath = {"facecolor": PAPER, "edgecolor": "none", "alpha": paper, "pad": pad}
     axes.annotate(
         text,
         at,
         xycoords=coords,
         xytext=shift,
         textcoords="offset points",
-        fontsize=SMALL,
+        fontsize=size,
         fontweight="bold" if strong else "normal",
         color=colour,
         ha=ha,
         va=va,
+        bbox=beneath if paper else None,
     )
 
 

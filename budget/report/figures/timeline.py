@@ -6,12 +6,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, pairwise
 from math import degrees
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from budget.calibration.schemes import schedule_of
-from budget.calibration.schemes.zhao_2019 import (
-    schedule_accelerometer,
-)
 from budget.inputs.records import AXES
 from budget.report.figures.rows import (
     Bar,
@@ -196,11 +193,31 @@ def schedule_sections(
 def make_tracks(
     procedure: Procedure, sensors: Sequence[str]
 ) -> tuple[TriadSchedule, ...]:
-    """Lay out the triads that there are, gyro first."""
-    makers = {"gyro": _gyro_track, "accelerometer": _accelerometer_track}
-    if procedure.windows or procedure.formulas not in BY_NAME:
-        return tuple(_any_track(name, procedure) for name in makers if name in sensors)
-    return tuple(make(procedure) for name, make in makers.items() if name in sensors)
+    """Lay out the windows of the triads that there are, gyro first."""
+    found = []
+    for sensor in ("gyro", "accelerometer"):
+        if sensor not in sensors:
+            continue
+        windows = schedule_of(sensor, procedure).windows
+        gaps = [b.start - a.end for a, b in pairwise(windows)]
+        own = TriadSchedule(
+            sensor=sensor,
+            windows=windows,
+            labels=tuple(window.name.partition(",")[0] for window in windows),
+            averages=(
+                (
+                    line(PAGE, "average", formulas=procedure.formulas),
+                    0,
+                    len(windows) - 1,
+                ),
+            ),
+            pause=min(gaps, default=0.0),
+        )
+        if not procedure.windows and procedure.formulas in BY_NAME:
+            named = _gyro_named if sensor == "gyro" else _accelerometer_named
+            own = replace(own, **named(procedure, windows))
+        found.append(own)
+    return tuple(found)
 
 
 def print_time(seconds: float) -> str:
@@ -213,42 +230,19 @@ def made_of(track: TriadSchedule) -> str:
     return line(PAGE, "made_of", track=track)
 
 
-def _any_track(sensor: str, procedure: Procedure) -> TriadSchedule:
-    """Lay out windows that all go into one estimate."""
-    windows = schedule_of(sensor, procedure).windows
-    name = line(PAGE, "average", formulas=procedure.formulas)
-    gaps = [b.start - a.end for a, b in pairwise(windows)]
-    return TriadSchedule(
-        sensor=sensor,
-        windows=windows,
-        labels=tuple(window.name.partition(",")[0] for window in windows),
-        averages=((name, 0, len(windows) - 1),),
-        pause=min(gaps, default=0.0),
-    )
-
-
-def _gyro_track(procedure: Procedure) -> TriadSchedule:
-    """Lay out turns, a pair for each axis, and the dwells at all azimuths."""
-    windows = schedule_of("gyro", procedure).windows
-    turns = [window for window in windows if window.sense]
-    labels = [_gyro_label(window) for window in windows]
-    averages = [
-        (
-            line(PAGE, "turns_average", number=COUNTED_TURNS[axis]),
-            2 * place,
-            2 * place + 1,
-        )
-        for place, axis in enumerate(procedure.gyro.order)
-    ]
-    name = line(PAGE, "dwells_average", azimuths=procedure.gyro.azimuths)
-    averages.append((name, len(turns), len(windows) - 1))
-    return TriadSchedule(
-        sensor="gyro",
-        windows=windows,
-        labels=tuple(labels),
-        averages=tuple(averages),
-        pause=procedure.gyro.pause,
-    )
+def _gyro_named(procedure: Procedure, windows: Sequence[Window]) -> dict[str, Any]:
+    """Name turns, a pair for each axis, and the dwells at all azimuths."""
+    name = partial(line, PAGE, "turns_average")
+    dwells = line(PAGE, "dwells_average", azimuths=procedure.gyro.azimuths)
+    pairs = enumerate(procedure.gyro.order)
+    return {
+        "labels": tuple(map(_gyro_label, windows)),
+        "averages": (
+            *((name(number=COUNTED_TURNS[a]), 2 * k, 2 * k + 1) for k, a in pairs),
+            (dwells, sum(bool(one.sense) for one in windows), len(windows) - 1),
+        ),
+        "pause": procedure.gyro.pause,
+    }
 
 
 def _gyro_label(window: Window) -> str:
@@ -260,18 +254,16 @@ def _gyro_label(window: Window) -> str:
     return f"{AXES[window.axis or 0]} {SIGNS[window.sign]}"
 
 
-def _accelerometer_track(procedure: Procedure) -> TriadSchedule:
-    """Lay out the faces, each held twice."""
-    windows = schedule_accelerometer(procedure.accelerometer).windows
+def _accelerometer_named(
+    procedure: Procedure, windows: Sequence[Window]
+) -> dict[str, Any]:
+    """Name the faces, each held twice."""
     faces = [(AXES[window.axis or 0], window.sign) for window in windows]
-    averages = []
-    for face, own in groupby(range(len(windows)), key=lambda place: faces[place]):
-        places = list(own)
-        averages.append((f"N({FACES[face]})", places[0], places[-1]))
-    return TriadSchedule(
-        sensor="accelerometer",
-        windows=windows,
-        labels=tuple(line(PAGE, "face", axis=axis, sign=sign) for axis, sign in faces),
-        averages=tuple(averages),
-        pause=procedure.accelerometer.pause,
-    )
+    runs = [[*own] for _, own in groupby(range(len(faces)), key=lambda k: faces[k])]
+    return {
+        "labels": tuple(
+            line(PAGE, "face", axis=axis, sign=sign) for axis, sign in faces
+        ),
+        "averages": tuple((f"N({FACES[faces[k[0]]]})", k[0], k[-1]) for k in runs),
+        "pause": procedure.accelerometer.pause,
+    }

@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import atan2, degrees, floor, log, log10, sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.calibration.mission import SEEN
 from budget.names import HORIZONTAL, time_text
 from budget.navigation.route import WEIGHTS
-from budget.report.figures.curves import free_place
+from budget.report.figures.curves import write_apart
 from budget.report.figures.growth import PLANE
 from budget.report.figures.style import (
     INK,
     MUTED,
     PAPER,
-    SMALL,
     VERMILION,
-    add_panel,
+    add_picture,
     blank,
     rgb,
-    text_width,
-    without_name,
     write,
 )
 from budget.report.figures.tabled import Plot, entries
@@ -31,14 +29,13 @@ from budget.report.pages import figure
 from budget.report.tables import DASH, length, print_coverage
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from budget.arrays import Array
     from budget.navigation.route import Route
-    from budget.report.figures.curves import Box
+    from budget.report.figures.curves import Place
     from budget.studies.mission import Curve
 
 WIDTH, SIDE = 258.0, 234.0  # of the figure, and of the picture in it at the most [pt]
@@ -51,7 +48,7 @@ POINTS = 73  # of an ellipse
 MOST = 6  # ellipses
 ROUND = (1.0, 2.0, 5.0)  # of a scale, times a power of ten
 ROUND_TO = 1.05  # of the axes, for a circle [1]
-NAME_ROOM = 11.0  # of a name at an ellipse [pt]
+NAME = 30.0  # an ellipse that is smaller has no name on it [pt]
 PAGE = "figures_track"
 
 
@@ -183,130 +180,71 @@ def track_plot(way: Way) -> Plot:
 
 def _draw(way: Way, north: str) -> Figure:
     """Draw track, ellipses, a scale and which way is north."""
-    times = way.times
-    outlines = [one.outline(times) for one in way.ellipses]
-    every = np.vstack([way.track, *outlines])
-    low, high = every.min(axis=0), every.max(axis=0)
-    size = high - low
-    room = AIR * max(float(size.max()), 1e-9)
-    size = size + 2.0 * room
-    scale = SIDE / float(size.max())  # [pt/m]
-    wide, tall = (max(scale * float(size[k]), LEAST_SIDE) for k in (1, 0))
+    outlines = [one.outline(way.times) for one in way.ellipses]
+    every = np.vstack([way.track, *outlines])[:, ::-1]  # east, north
+    span = np.ptp(every, axis=0)
+    span = span + 2.0 * AIR * max(float(span.max()), 1e-9)
+    scale = SIDE / float(span.max())  # [pt/m]
+    wide, tall = size = np.maximum(scale * span, LEAST_SIDE)
+    middle = (every.min(axis=0) + every.max(axis=0)) / 2.0
     drawing = blank(EDGE + tall + FOOT, width=WIDTH)
-    axes = add_panel(
-        drawing, left=(WIDTH - wide) / 2.0, top=EDGE, width=wide, height=tall
+    axes = add_picture(
+        drawing,
+        *np.transpose([middle - size / scale / 2.0, middle + size / scale / 2.0]),
+        left=(WIDTH - wide) / 2.0,
+        top=EDGE,
+        width=wide,
+        height=tall,
     )
-    middle = (low + high) / 2.0
-    axes.set_xlim(middle[1] - wide / scale / 2.0, middle[1] + wide / scale / 2.0)
-    axes.set_ylim(middle[0] - tall / scale / 2.0, middle[0] + tall / scale / 2.0)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    without_name(axes.xaxis)
-    without_name(axes.yaxis)
-    axes.plot(way.track[:, 1], way.track[:, 0], color=MUTED, linewidth=1.0)
+    axes.plot(*way.track[:, ::-1].T, color=MUTED, linewidth=1.0)
     axes.plot(
-        *way.track[0, ::-1],
-        marker="o",
-        color=PAPER,
-        markeredgecolor=INK,
-        markersize=5.0,
-        linestyle="none",
+        *way.track[0, ::-1], "o", color=PAPER, markeredgecolor=INK, markersize=5.0
     )
     for k, (one, outline) in enumerate(zip(way.ellipses, outlines, strict=True)):
         axes.fill(
-            outline[:, 1],
-            outline[:, 0],
+            *outline[:, ::-1].T,
             facecolor=(*rgb(VERMILION), 0.12),
             edgecolor=VERMILION,
             linewidth=1.3,
             gid=f"ellipse-{k}",
         )
         axes.plot(*one.centre[::-1], marker="+", color=INK, markersize=5.0)
-    _name_ellipses(axes, way, outlines, scale)
-    _draw_scale(axes, scale, _rounded(wide / scale / 4.0), north)
+    # The last one first: of those that would lie on another one the earlier has none.
+    names = [
+        (time_text(one.time), [*_places(outline)])
+        for one, outline in zip(way.ellipses, outlines, strict=True)
+    ]
+    small = [
+        one[:, ::-1] for one in outlines if scale * np.ptp(one, axis=0).max() < NAME
+    ]
+    write_apart(axes, names[::-1], marks=small, paper=0.85)
+    length_of = _rounded(wide / scale / 4.0)
+    across = length_of * scale  # [pt]
+    axes.plot(
+        np.array([0.0, 0.0, 0.0, across, across, across]) / wide,
+        np.array([-3.0, -9.0, -6.0, -6.0, -9.0, -3.0]) / tall,
+        color=INK,
+        linewidth=1.0,
+        transform=axes.transAxes,
+        clip_on=False,
+    )
+    below = partial(write, axes, coords=("axes fraction", "axes fraction"))
+    below(length(length_of), (0.0, 0.0), (across + 6.0, -6.0))
+    below(north, (1.0, 0.0), (0.0, -6.0), ha="right")
     return drawing
 
 
-def _name_ellipses(
-    axes: Axes, way: Way, outlines: Sequence[Array], scale: float
-) -> None:
-    """Write the times of the ellipses beside them, the last one first.
-
-    Of those that would lie on another one the earlier stays without.
-    """
-    left, right = axes.get_xlim()
-    bottom, top = axes.get_ylim()
-    taken: list[Box] = []
-    for one, outline in reversed([*zip(way.ellipses, outlines, strict=True)]):
-        text = time_text(one.time)
-        wide, tall = (text_width(text) + 4.0) / scale, NAME_ROOM / scale
-        (south, west), (north, east) = outline.argmin(axis=0), outline.argmax(axis=0)
-        places: list[Any] = [
-            outline[east, ::-1] + (wide / 2.0, 0.0),
-            outline[west, ::-1] - (wide / 2.0, 0.0),
-            outline[north, ::-1] + (0.0, tall / 2.0),
-            outline[south, ::-1] - (0.0, tall / 2.0),
-            outline[north, ::-1] - (0.0, tall),
-        ]
-        boxes = [
-            (x - wide / 2.0, y - tall / 2.0, x + wide / 2.0, y + tall / 2.0)
-            for x, y in (map(float, at) for at in places)
-        ]
-        place = free_place(boxes, (left, bottom, right, top), taken)
-        if place is not None:
-            axes.annotate(
-                text,
-                places[place],
-                fontsize=SMALL,
-                color=INK,
-                ha="center",
-                va="center",
-                bbox={
-                    "facecolor": PAPER,
-                    "edgecolor": "none",
-                    "alpha": 0.85,
-                    "pad": 1.0,
-                },
-            )
-
-
-def _draw_scale(axes: Axes, scale: float, size: float, north: str) -> None:
-    """Draw a length [m] below the picture, in points a metre, and say what is up."""
-    for begin, end in (
-        ((0.0, -9.0), (0.0, -3.0)),
-        ((0.0, -6.0), (size * scale, -6.0)),
-        ((size * scale, -9.0), (size * scale, -3.0)),
+def _places(outline: Array) -> Iterator[Place]:
+    """Yield where the name of an ellipse may stand: at its sides, then within it."""
+    seen = outline[:, ::-1]
+    for at, right, up in (
+        (seen[:, 0].argmax(), 1.0, 0.0),
+        (seen[:, 1].argmax(), 0.0, 1.0),
+        (seen[:, 1].argmin(), 0.0, -1.0),
+        (seen[:, 0].argmin(), -1.0, 0.0),
+        (seen[:, 1].argmax(), 0.0, -2.0),
     ):
-        axes.annotate(
-            "",
-            begin,
-            end,
-            xycoords="axes points",
-            textcoords="axes points",
-            annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-",
-                "color": INK,
-                "linewidth": 1.0,
-                "shrinkA": 0.0,
-                "shrinkB": 0.0,
-            },
-        )
-    write(
-        axes,
-        length(size),
-        (0.0, 0.0),
-        (size * scale + 6.0, -6.0),
-        coords=("axes fraction", "axes fraction"),
-    )
-    write(
-        axes,
-        north,
-        (1.0, 0.0),
-        (0.0, -6.0),
-        ha="right",
-        coords=("axes fraction", "axes fraction"),
-    )
+        yield seen[at], right, up
 
 
 def _rounded(size: float) -> float:

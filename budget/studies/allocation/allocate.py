@@ -12,12 +12,10 @@ import numpy as np
 from budget.calibration.schemes import calibrates
 from budget.errors import CallError
 from budget.inputs import load_costs
-from budget.inputs.records import JOINT
 from budget.methods.allocation import TOUCHES
 from budget.methods.trials import coverage_of
 from budget.names import IMU, MISSION, Name
 from budget.question import Question, limited_but_held
-from budget.results import input_files
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.cases import (
@@ -46,12 +44,11 @@ from budget.studies.allocation.rows import (
 )
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
-    age_that_counts_not,
     not_estimated,
     not_of_one_sensor,
-    not_weighted,
     of_no_vehicle,
 )
+from budget.studies.envelope import envelope
 from budget.studies.judgement import judge
 from budget.studies.verdicts import stand
 
@@ -128,9 +125,10 @@ def allocate_as(
     market: bool = False,
 ) -> Allocation:
     """Share out limits as `allocate` does, of a calibration and of its mission."""
-    imus, wanted = question.devices, question.whole().wanted
+    wanted = question.whole().wanted
     journey = question.mission if MISSION in wanted.kinds else None
-    unit = question if journey is None else question.alone(MISSION)
+    without = question if question.mission is None else replace(question, mission=None)
+    unit = without if journey is None else question.alone(MISSION)
     how, sensors, catalogue = unit.procedure, unit.sensors, question.catalogue
     prices = None if costs is None else load_costs(costs)
     strategy, seed = _choose_strategy(asked.strategy, prices), asked.seed
@@ -167,19 +165,24 @@ def allocate_as(
     missing = tuple(kind for kind in wanted.kinds if kind not in there)
     allotted = tuple(_resized(sensor, cases) for sensor in sensors)
     solved_kinds = {kind for case in cases if case.s is not None for kind in case.kinds}
+    settings = replace(
+        asked.settle(wanted), method="gum", strategy=strategy, formulas=how.formulas
+    )
     return Allocation(
-        title=" + ".join(device.name for device in imus),
-        inputs=input_files(
-            imus, procedure=how, mission=journey, requirement=wanted, costs=prices
+        **envelope(
+            unit,
+            settings,
+            assumed=() if prices is None else prices.assumptions,
+            warned=(
+                *warnings,
+                *of_no_vehicle(journey),
+                *against_limits(how, wanted),
+                *(() if journey is None else not_estimated(unit.devices, how, wanted)),
+                *not_of_one_sensor(wanted),
+                *_warnings(unit, cases, missing, bounds, prices),
+            ),
+            files={} if prices is None else {"costs": prices},
         ),
-        strategy=strategy,
-        requirement=wanted.name,
-        is_joint=wanted.decision == JOINT,
-        procedure=how.name,
-        coverage=wanted.coverage,
-        reference=wanted.reference,
-        formulas=how.formulas,
-        seed=seed,
         feasible=feasible,
         not_allocated=missing,
         not_estimated=limited_but_held(there, how, wanted.outputs),
@@ -210,46 +213,7 @@ def allocate_as(
             tuple(sensor for sensor in allotted if sensor.kind in solved_kinds),
             sample_rate=how.sample_rate,
         ),
-        devices=imus,
         sensors=allotted,
-        not_given=tuple(name for sensor in sensors for name in sensor.not_given),
-        assumptions=(
-            *(
-                text
-                for record in (*imus, how, journey, wanted, prices)
-                if record is not None
-                for text in record.assumptions
-            ),
-            *not_weighted(sensors, how),
-        ),
-        warnings=(
-            *warnings,
-            *age_that_counts_not(how, wanted.reference),
-            *of_no_vehicle(journey),
-            *against_limits(how, wanted),
-            *not_estimated(imus, how, wanted),
-            *not_of_one_sensor(wanted),
-            *(
-                sentence(
-                    "allocations.not_there",
-                    sensor=kind,
-                    is_calibrated=calibrates(kind, how),
-                )
-                for kind in missing
-                if kind not in {IMU, MISSION}
-            ),
-            *(
-                sentence("allocations.retuned")
-                for _ in [journey]
-                if journey is not None and journey.aiding
-            ),
-            *(
-                sentence("allocations.own_filter")
-                for _ in [journey]
-                if journey is not None and journey.filter is not None
-            ),
-            *_warnings(sensors, cases, bounds, prices),
-        ),
     )
 
 
@@ -371,7 +335,7 @@ def _assure(
         found = case.found
         if found.held is None:
             break
-        judged = judge(found.held, found.law, seed=seed)
+        judged = judge(found.held, seed=seed)
         verdict, over = judged.verdict(), judged.utilisation_interval[1]
         if verdict == "meets" or (verdict == "undecided" and judged.by_trials.any()):
             break
@@ -433,12 +397,17 @@ def _together(cases: Sequence[SensorCase]) -> list[SensorCase]:
 
 
 def _warnings(
-    sensors: Sequence[Sensor],
+    unit: Question,
     cases: Sequence[SensorCase],
+    missing: Sequence[str],
     bounds: Bounds,
     costs: Costs | None,
 ) -> tuple[str, ...]:
-    """Say what a reader should know before believing the table."""
+    """Say what a reader should know before believing the table.
+
+    `missing` are those that have limits and are not there.
+    """
+    sensors, journey = unit.sensors, unit.journey
     given = {Name(line.name, owner=s.kind) for s in sensors for line in s.lines}
     named = {
         "held": sorted(bounds.held),
@@ -447,6 +416,20 @@ def _warnings(
     }
     required = {kind for case in cases for kind in case.kinds}
     texts = [
+        *(
+            sentence(
+                "allocations.not_there",
+                sensor=kind,
+                is_calibrated=calibrates(kind, unit.procedure),
+            )
+            for kind in missing
+            if kind not in {IMU, MISSION}
+        ),
+        *(
+            sentence(f"allocations.{key}")
+            for key, has in (("retuned", "aiding"), ("own_filter", "filter"))
+            if journey is not None and getattr(journey, has)
+        ),
         *(
             sentence("allocations.unknown", name=name, what=what)
             for what, names in named.items()

@@ -225,7 +225,7 @@ def set_up(
         high.append(most)
     required = tuple(limit.output for limit in limits)
     coverage = np.array([requirement.coverage_of(limit) for limit in limits])
-    judged = judge(held, question.law, seed=seed)
+    judged = judge(held, seed=seed)
     task = Task(
         law=law.select(required),
         limit=np.array([limit.limit for limit in limits]),

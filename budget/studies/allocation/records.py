@@ -13,7 +13,8 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.records import Device, Sensor
+    from budget.inputs.records import Sensor
+    from budget.known import Known
     from budget.results import Verdict
 
 MEAN = Name("mean")  # the part of a limit that the mean error takes
@@ -60,7 +61,8 @@ class LimitPart:
     utilisation_allowed = allowed [1]: the same after the allocation
     utilisation_floor = floor [1]: the same of what cannot be allocated
     binding = is_binding: whether it is at its limit after the allocation
-    lower_bound: whether a line that is not given would take a part of it too
+    lower_bound = now.is_bound: whether a line that is not given would take a part of it
+      too
     parts: what each source takes of the squared limit
     """,
 )
@@ -78,7 +80,7 @@ class LimitPart:
 class SharedLimit(LimitedOutput):
     """One limit, and how it is shared out."""
 
-    now: float  # largest interval end over limit [1]
+    now: Known  # largest interval end over limit [1]
     allowed: float | None  # the same after the allocation [1]
     floor: float  # the same of what cannot be allocated [1]
     is_binding: bool
@@ -405,25 +407,17 @@ class Recalibration(Documented):
     "allocation_settings",
     """
     method = 'gum' (str)
-    strategy: how limits are shared out
-    seed: of the trials that check it
-    coverage [1]: of the requirement
-    reference: what an error is one against
-    formulas: of the calibration
+    strategy = settings.strategy (str): how limits are shared out
+    seed = settings.seed: of the trials that check it
+    coverage = settings.coverage [1]: of the requirement
+    reference = settings.reference: what an error is one against
+    formulas = settings.formulas: of the calibration
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Allocation(Study):
     """Everything that `budget allocate` says."""
 
-    title: str
-    strategy: str
-    requirement: str
-    procedure: str
-    coverage: float
-    reference: str
-    formulas: str
-    seed: int
     feasible: bool
     not_allocated: tuple[str, ...]  # sensors that have limits and are not given
     sources: tuple[SourceAllotment, ...]
@@ -433,11 +427,8 @@ class Allocation(Study):
     longer_tests: tuple[LongerTest, ...]
     recalibrations: tuple[Recalibration, ...]
     matches: tuple[Match, ...]
-    devices: tuple[Device, ...]
     sensors: tuple[Sensor, ...]  # with the allocated values; as given if infeasible
-    not_given: tuple[Name, ...]
     not_estimated: tuple[Name, ...] = ()  # have limits and are held in the test
-    is_joint: bool = False  # its limits are to be kept together; each was shared out
     # Of what is allocated, by the owner of the limits; () where nothing is.
     standings: tuple[Verdict, ...] = ()
 

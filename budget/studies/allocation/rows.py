@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.known import Known
 from budget.methods.allocation import SPARED, TOUCHES, headroom_of
 from budget.methods.scaling import NEGLIGIBLE
 from budget.model.sources import ENVIRONMENT, STATION
@@ -60,11 +61,10 @@ def limited_outputs(case: SensorCase) -> tuple[SharedLimit, ...]:
             output=case.outputs[name],
             limit=float(task.limit[k]),
             printed_limit=printed[name],
-            now=float(used[0][k]),
+            now=Known.of(float(used[0][k]), case.question.lacks[name]),
             floor=float(used[1][k]),
             allowed=None if s is None else float(used[2][k]),
             is_binding=bool(bound[k]),
-            lacks=case.question.lacks[name],
             parts=tuple(
                 LimitPart(
                     source=source,

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
-from budget.calibration.schemes import calibrates, refusals
+from budget.calibration.schemes import refusals
 from budget.errors import CallError
 from budget.inputs import load_devices, load_requirement
 from budget.inputs.load import several
-from budget.inputs.use import in_use
 from budget.methods.execution import local_executor
 from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
-from budget.question import Question, refuse_unjudged
+from budget.question import Question
 from budget.results import input_file, named_files
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
@@ -27,25 +27,21 @@ from budget.studies.cautions import (
     not_weighted,
     of_no_vehicle,
 )
-from budget.studies.comparison.judging import Judging, entrant_of, judge_all
-from budget.studies.comparison.ranking import pair_up, rank, rank_imus
-from budget.studies.comparison.records import (
-    Comparison,
-    Entrant,
-)
+from budget.studies.comparison.judging import judge_all
+from budget.studies.comparison.ranking import pair_up, rank_devices, rank_imus
+from budget.studies.comparison.records import Comparison
 from budget.studies.judgement import MAX_TRIALS, TRIALS
-from budget.studies.verdicts import unjudged
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Container, Iterator, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import (
         Device,
-        Mission,
         Procedure,
         Requirement,
     )
+    from budget.studies.comparison.records import Entrant
 
 LEAST_TRIALS = 2
 
@@ -93,80 +89,63 @@ def compare(
         device has a sensor that the requirement limits.
     """
     imus = load_devices(devices, variants=True)
-    wanted = load_requirement(requirement)
-    journey = inputs.journey
-    of_both = tuple(one for one in wanted.limits if one.output.owner == IMU)
-    shared = replace(wanted, limits=of_both)
+    wanted, journey = load_requirement(requirement), inputs.journey
     tests = tuple(
         inputs.calibrated(mission=journey, requirement=wanted, by=one)
         for one in several(procedures) or (None,)
     )
-    for test in tests:
-        refuse_unjudged(wanted, journey, test)
     trials = TRIALS if asked.trials is None else asked.trials
     most = asked.max_trials or max(trials, MAX_TRIALS)
     _check(asked, trials=trials, max_trials=most)
     check_names(tests)
-    candidates, places = [], []
-    for test in tests:
-        how = in_use(test, wanted, journey)
-        for place, device in enumerate(imus):
-            for on in (None, journey)[: 1 if journey is None else 2]:
-                if not _can_be_asked(device, how, on):
-                    continue
-                one = Question.of(
-                    device,
-                    procedure=how,
-                    requirement=wanted,
-                    mission=on,
-                    carried_to=None if on is None else (),
-                    missing=asked.missing,
-                    catalogue=inputs.catalogue,
-                )
-                candidates += [one.alone(owner) for owner in one.limited]
-                places += [place] * len(one.limited)
-    beyond = [refusals(one.there, one.procedure) for one in candidates]
-    reasons = tuple(dict.fromkeys(text for some in beyond for text in some))
-    not_compared = _not_compared(imus, wanted, [one.owner for one in candidates])
-    tested = [k for k, texts in enumerate(beyond) if not texts]
-    if reasons and (strict or not tested):
-        raise CallError("\n".join(reasons))
-    every = dict.fromkeys(one.owner for one in candidates)
-    places, candidates = (
-        [places[k] for k in tested],
-        [candidates[k] for k in tested],
-    )
-    untested = [one for one in every if one not in {x.owner for x in candidates}]
-    judged = [one for one in candidates if one.has_lines]
-    if not candidates:
+    owners: dict[str, bool] = {}  # of what has limits, and whether any can be tested
+    reasons: dict[str, None] = {}  # why devices cannot
+    filled: dict[str, None] = {}  # what is assumed of those that something stands in
+
+    def candidates() -> Iterator[tuple[int, Question]]:
+        """Yield what can be tested; note what cannot, and what is assumed."""
+        every = Question.each(
+            imus,
+            tests,
+            requirement=wanted,
+            mission=journey,
+            missing=asked.missing,
+            catalogue=inputs.catalogue,
+        )
+        for place, one in every:
+            refused = refusals(one.there, one.procedure)
+            reasons.update(dict.fromkeys(refused))
+            owners[one.owner] = owners.get(one.owner, False) or not refused
+            if not refused:
+                if one.filled.lines:
+                    filled.update(dict.fromkeys(_assumed(one.devices[0], tests)))
+                yield place, one
+
+    if strict:
+        deque(candidates(), maxlen=0)
+        if reasons:
+            raise CallError("\n".join(reasons))
+    step = engine.stage("comparison of devices")
+    total = len(imus) * len(tests) * len(wanted.kinds)
+    with local_executor(1 if engine.executor else engine.workers) as pool:
+        findings = judge_all(
+            candidates(),
+            replace(asked, trials=trials, max_trials=most),
+            executor=engine.executor or pool,
+            ahead=2 * engine.workers,
+            progress=lambda done: step and step(done, max(done, total)),
+        )
+    if not any(owners.values()):
         raise CallError(
-            f"{wanted.name} limits no sensor that these devices have, or nothing "
+            "\n".join(reasons)
+            or f"{wanted.name} limits no sensor that these devices have, or nothing "
             f"that {' and '.join(one.name for one in tests)} estimates of it; add "
             "limits for what is estimated, or give other devices or procedures"
         )
-    judging = Judging(
-        method=asked.method,
-        coverage=wanted.coverage,
-        seed=asked.seed,
-        trials=trials,
-        max_trials=most,
-        validate=asked.validate,
-    )
-    with local_executor(1 if engine.executor else engine.workers) as pool:
-        findings = judge_all(
-            judged,
-            judging,
-            executor=engine.executor or pool,
-            ahead=2 * engine.workers,
-            progress=engine.stage("comparison of devices"),
-        )
-    where = {id(one): place for one, place in zip(candidates, places, strict=True)}
-    ranked = rank(
-        [
-            replace(finding, place=where[id(one)])
-            for one, finding in zip(judged, findings, strict=True)
-        ]
-    )
+    of_both = [name for name in wanted.outputs if name.owner == IMU]
+    ranked = rank_devices(one for one in findings if one.is_judged)
+    not_compared = _not_compared(imus, wanted, owners)
+    is_counted = asked.method == "monte-carlo" or asked.validate
     return Comparison(
         requirement=wanted.name,
         mission="" if journey is None else journey.name,
@@ -180,76 +159,51 @@ def compare(
         ),
         settings=replace(
             asked.settle(wanted),
-            trials=trials if asked.method == "monte-carlo" or asked.validate else None,
+            trials=trials if is_counted else None,
             formulas=", ".join(dict.fromkeys(p.formulas for p in tests)),
-            normals_per_trial=max((finding.normals for finding in findings), default=0),
+            normals_per_trial=max((one.normals for one in findings), default=0),
         ),
         caps=wanted.caps,
         not_compared=not_compared,
         devices=ranked,
-        nothing_known=tuple(
-            replace(entrant_of(one, unjudged(one)), place=place)
-            for one, place in zip(candidates, places, strict=True)
-            if not one.has_lines
-        ),
-        untested=tuple(untested),
+        nothing_known=tuple(one for one in findings if not one.is_judged),
+        untested=tuple(owner for owner, is_tested in owners.items() if not is_tested),
         imus=rank_imus(ranked, is_shared=bool(of_both)),
         pairs=pair_up(ranked, is_shared=bool(of_both)) if pairs else (),
-        assumptions=(() if journey is None else journey.assumptions)
-        + tuple(
-            sentence(
-                "comparisons.age",
-                procedure=procedure.name,
-                source=Name(AGE, owner=ENVIRONMENT),
-                age=line.printed,
-            )
-            for procedure in tests
-            for line in procedure.environment
-            if line.name == AGE
-        )
-        + tuple(
-            dict.fromkeys(
-                sentence("assumed.of", key=device.name, text=text)
-                for device in (
-                    *imus,
-                    *(one.devices[0] for one in candidates if one.filled.lines),
-                )
-                for text in (
-                    *device.assumptions,
-                    *(
-                        text
-                        for procedure in tests
-                        for text in not_weighted(device.sensors, procedure)
-                    ),
-                )
-            )
+        assumptions=(
+            *(() if journey is None else journey.assumptions),
+            *_aged(tests),
+            *dict.fromkeys(chain(*(_assumed(one, tests) for one in imus), filled)),
         ),
         warnings=(
-            *dict.fromkeys(
-                text
-                for procedure in tests
-                for text in (
-                    *age_that_counts_not(procedure, wanted.reference),
-                    *against_limits(procedure, wanted),
-                    *not_calibrated(imus, procedure),
-                    *not_estimated(imus, procedure, wanted),
-                )
-            ),
+            *dict.fromkeys(chain(*(_of_test(one, imus, wanted) for one in tests))),
             *of_no_vehicle(journey),
-            *_not_of_both(imus, shared, pairs=pairs),
+            *_not_of_both(imus, of_both, pairs=pairs),
             *reasons,
-            *_warnings(imus, wanted, judged, findings, not_compared),
+            *_warnings(imus, wanted, not_compared),
+            *_doubts(findings),
         ),
     )
 
 
-def _can_be_asked(
-    device: Device, procedure: Procedure, mission: Mission | None
-) -> bool:
-    """Whether anything of a device is calibrated, or both triads are on the mission."""
-    if mission is not None:
-        return len(device.sensors) == len(SENSORS)
-    return any(calibrates(sensor.kind, procedure) for sensor in device.sensors)
+def _aged(procedures: Sequence[Procedure]) -> Iterator[str]:
+    """Say how old each calibration is."""
+    for procedure in procedures:
+        for line in procedure.environment:
+            if line.name == AGE:
+                yield sentence(
+                    "comparisons.age",
+                    procedure=procedure.name,
+                    source=Name(AGE, owner=ENVIRONMENT),
+                    age=line.printed,
+                )
+
+
+def _assumed(device: Device, procedures: Sequence[Procedure]) -> Iterator[str]:
+    """Say what is assumed of a device."""
+    texts = (not_weighted(device.sensors, procedure) for procedure in procedures)
+    for text in (*device.assumptions, *chain.from_iterable(texts)):
+        yield sentence("assumed.of", key=device.name, text=text)
 
 
 def _check(asked: Asked, *, trials: int, max_trials: int) -> None:
@@ -277,76 +231,69 @@ def check_names(procedures: Sequence[Procedure]) -> None:
         )
 
 
+def _of_test(
+    procedure: Procedure, devices: Sequence[Device], requirement: Requirement
+) -> Iterator[str]:
+    """Name what a procedure leaves open."""
+    yield from age_that_counts_not(procedure, requirement.reference)
+    yield from against_limits(procedure, requirement)
+    yield from not_calibrated(devices, procedure)
+    yield from not_estimated(devices, procedure, requirement)
+
+
 def _warnings(
-    devices: Sequence[Device],
-    requirement: Requirement,
-    candidates: Sequence[Question],
-    findings: Sequence[Entrant],
-    not_compared: Sequence[str],
-) -> tuple[str, ...]:
+    devices: Sequence[Device], requirement: Requirement, not_compared: Sequence[str]
+) -> Iterator[str]:
     """Name what a reader could misread."""
     twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
-    present = _present(devices) - {MISSION}
+    if twice:
+        yield sentence("comparisons.same_name", names=sorted(twice))
     by_mission = MISSION in requirement.kinds  # by which both sensors are compared
-    lacking = {
-        kind: [
+    for kind in sorted(_present(devices) - {MISSION, *requirement.kinds}):
+        if not by_mission:
+            yield sentence("comparisons.not_compared", sensor=kind)
+    for kind in not_compared:
+        if kind not in {IMU, MISSION}:
+            yield sentence("comparisons.not_there", sensor=kind)
+    for kind in SENSORS if by_mission else ():
+        names = [
             device.name
             for device in devices
             if [one.kind for one in device.sensors] not in ([kind], [*SENSORS])
         ]
-        for kind in SENSORS
-    }
-    impossible = {name for finding in findings for name in finding.impossible}
+        if names:
+            yield sentence("comparisons.no_mission", sensor=kind, devices=names)
+
+
+def _doubts(findings: Sequence[Entrant]) -> Iterator[str]:
+    """Name limits that nothing can keep, and outputs that trials do not confirm."""
+    for name in sorted({name for one in findings for name in one.impossible}):
+        yield sentence("comparisons.impossible", output=name)
     doubts: dict[str, dict[str, None]] = {}
-    for one, finding in zip(candidates, findings, strict=True):
-        if finding.doubtful:
-            own = doubts.setdefault(one.devices[0].name, {})
-            own |= dict.fromkeys(finding.doubtful)
-    return (
-        *([sentence("comparisons.same_name", names=sorted(twice))] if twice else []),
-        *(
-            sentence("comparisons.not_compared", sensor=kind)
-            for kind in sorted(present - set(requirement.kinds))
-            if not by_mission
-        ),
-        *(
-            sentence("comparisons.not_there", sensor=kind)
-            for kind in not_compared
-            if kind not in {IMU, MISSION}
-        ),
-        *(
-            sentence("comparisons.no_mission", sensor=kind, devices=names)
-            for kind, names in lacking.items()
-            if by_mission and names
-        ),
-        *(
-            sentence("comparisons.impossible", output=name)
-            for name in sorted(impossible)
-        ),
-        *(
-            sentence("comparisons.not_confirmed", device=device, outputs=tuple(names))
-            for device, names in doubts.items()
-        ),
-    )
+    for one in findings:
+        if one.doubtful:
+            doubts.setdefault(one.name, {}).update(dict.fromkeys(one.doubtful))
+    for name, outputs in doubts.items():
+        yield sentence("comparisons.not_confirmed", device=name, outputs=tuple(outputs))
 
 
 def _not_of_both(
-    devices: Sequence[Device], shared: Requirement, *, pairs: bool
+    devices: Sequence[Device], outputs: Sequence[Name], *, pairs: bool
 ) -> Iterator[str]:
     """Say once of what limits on both triads together are not judged."""
     if pairs or any(len(device.sensors) < len(SENSORS) for device in devices):
-        for parameters in by_group(shared.outputs):
+        for parameters in by_group(outputs):
             yield sentence("comparisons.of_both", parameters=parameters)
 
 
 def _not_compared(
-    devices: Sequence[Device], requirement: Requirement, owners: Sequence[str]
+    devices: Sequence[Device], requirement: Requirement, owners: Container[str]
 ) -> tuple[str, ...]:
     """Return the sensors that have limits, and that no device has.
 
-    So of what belongs to both, where none of the `owners` of what is judged is that.
+    So of what belongs to both, where none of the `owners` of what is asked is that.
     """
-    there = _present(devices) | ({IMU} & {*owners})
+    there = _present(devices) | ({IMU} if IMU in owners else set())
     return tuple(kind for kind in requirement.kinds if kind not in there)
 
 

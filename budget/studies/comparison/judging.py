@@ -1,10 +1,10 @@
-"""Verdicts on every candidate; paired trials for neighbours in the ranking."""
+"""Verdicts on every candidate, a chunk at once; more trials for ties in the ranking."""
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
+from itertools import compress, islice, pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +14,7 @@ from budget.methods.largest import is_same, probability_smaller
 from budget.methods.validation import validate
 from budget.missing import REFUSE, shipped_devices
 from budget.missing.prediction import prepare
+from budget.question import laws_together
 from budget.sentences import sentence
 from budget.studies.comparison.records import Entrant, Lead, MissingLines, UnknownCap
 from budget.studies.figures_of_merit import MERITS, is_known, over_cap
@@ -27,145 +28,136 @@ from budget.studies.judgement import (
     screen,
 )
 from budget.studies.readings import verdicts_by_reading
-from budget.studies.verdicts import FAILS, verdict_on
+from budget.studies.verdicts import FAILS, unjudged, verdict_on
 from budget.ties import settle
 
-CHUNK = 64  # candidates that are judged by the law at once
-
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
     from concurrent.futures import Executor
 
     from budget.question import Question
     from budget.results import Verdict
+    from budget.settings import Asked
 
+Task = tuple[int, "Question"]  # place of the device among those compared, what is asked
 
+CHUNK = 256  # candidates that are judged by the law at once
 NEAR = (0.95, 1.05)  # utilisations at which the fast screen is not the last word
 
 
-@dataclass(frozen=True, kw_only=True)
-class Judging:
-    """What every judgement of one comparison shares."""
-
-    method: str  # 'gum' or 'monte-carlo'
-    coverage: float  # of the intervals that are held against the limits
-    seed: int
-    # Of a candidate at first and at most.
-    trials: int
-    max_trials: int
-    validate: bool  # whether Monte Carlo checks the law, by gum
-
-    @property
-    def by_law(self) -> bool:
-        """Whether no trial is made."""
-        return self.method == "gum" and not self.validate
-
-
 def judge_all(
-    candidates: Sequence[Question],
-    judging: Judging,
+    candidates: Iterable[Task],
+    asked: Asked,
     *,
     executor: Executor | None,
     ahead: int,
-    progress: Callable[[int, int], None] | None,
+    progress: Callable[[int], None],
 ) -> list[Entrant]:
-    """Judge all; those whose rank is open are looked at again with more trials.
+    """Judge all as they come; those whose rank is open again with more trials.
 
-    `ahead` candidates are given out at once; `progress` is called with the judgements
-    done and those in all.
+    Parameters
+    ----------
+    candidates : iterable of (int, Question)
+        No more of them stand in memory than are under way, and than trials may rank.
+    asked : Asked
+        Its trials are those of each at first, and at most.
+    executor : Executor or None
+        None: this process.
+    ahead : int
+        Chunks that are given out at once.
+    progress : callable
+        Called with the judgements done.
     """
-    findings: dict[int, Entrant] = {}
-    done = 0
+    # By the law a chunk is sooner judged than sent; trials are shared out singly.
+    size = CHUNK if by_law(asked) else 1
+    open_to_trials: dict[int, Question] = {}
 
-    def take(places: Sequence[int], work: Callable[..., Entrant]) -> None:
-        nonlocal done
-        total = done + len(places)
-        # By the law a chunk is sooner judged than sent; trials are shared out singly.
-        size = CHUNK if judging.by_law else 1
-        tasks = (
-            [(candidates[place], findings.get(place)) for place in places[k : k + size]]
-            for k in range(0, len(places), size)
-        )
-        results = in_order(partial(_each, work=work), tasks, executor, ahead=ahead)
-        each = (finding for some in results for finding in some)
-        for place, finding in zip(places, each, strict=True):
-            findings[place] = finding
+    def chunks() -> Iterator[list[Task]]:
+        source = enumerate(candidates)
+        while chunk := [*islice(source, size)]:
+            # No trial says how a line that is not given would rank a device.
+            open_to_trials.update(
+                (k, replace(one))  # of thousands no Problem is kept
+                for k, (_, one) in chunk
+                if size == 1 and one.has_lines
+                if not (one.missing or one.filled.lines)
+            )
+            yield [task for _, task in chunk]
+
+    found: list[Entrant] = []
+    work = partial(judge_chunk, asked=asked)
+    for some in in_order(work, chunks(), executor, ahead=ahead):
+        found += some
+        progress(len(found))
+    done, number = len(found), asked.trials or TRIALS
+    most = asked.max_trials or MAX_TRIALS
+    while number < most and open_to_trials:
+        number = min(STEP * number, most)
+        tied = _tied({k: found[k] for k in open_to_trials}, most)
+        closer = partial(_look_closer, seed=asked.seed, trials=number)
+        tasks = ((open_to_trials[k], found[k]) for k in tied)
+        results = in_order(closer, tasks, executor, ahead=ahead)
+        for k, one in zip(tied, results, strict=True):
+            found[k] = one
             done += 1
-            if progress is not None:
-                progress(done, total)
-
-    take(range(len(candidates)), partial(_judge, judging=judging))
-    number = judging.trials
-    while number < judging.max_trials:
-        number = min(STEP * number, judging.max_trials)
-        tied = _tied(candidates, findings, judging.max_trials)
+            progress(done)
         if not tied:
             break
-        take(tied, partial(_look_closer, judging=judging, trials=number))
-    return [findings[place] for place in range(len(candidates))]
+    return found
 
 
-def _each(
-    tasks: Sequence[tuple[Question, Entrant | None]],
-    *,
-    work: Callable[..., Entrant],
-) -> list[Entrant]:
-    """Judge some candidates, one after the other; what they share is made at once."""
-    devices = dict.fromkeys(device for one, _ in tasks for device in one.devices)
-    prepare(devices, tasks[0][0].catalogue or shipped_devices())
-    return [work(task) for task in tasks]
+def by_law(asked: Asked) -> bool:
+    """Whether no trial is made."""
+    return asked.method == "gum" and not asked.validate
 
 
-def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
+def judge_chunk(tasks: Sequence[Task], *, asked: Asked) -> list[Entrant]:
+    """Judge some candidates; what they share is made at once."""
+    devices = dict.fromkeys(device for _, one in tasks for device in one.devices)
+    prepare(devices, tasks[0][1].catalogue or shipped_devices())
+    own = [replace(one) for _, one in tasks]  # of thousands no Problem is kept
+    laws_together([one for one in own if one.has_lines])
+    return [
+        _judge(one, place, asked) for one, (place, _) in zip(own, tasks, strict=True)
+    ]
+
+
+def _judge(one: Question, place: int, asked: Asked) -> Entrant:
     """Judge one candidate, by the law alone or as every command does."""
-    one = replace(task[0])  # of thousands no Problem is kept
-    held, law = one.limits, one.law
+    if not one.has_lines:
+        return entrant_of(one, unjudged(one), place)
+    held, seed = one.limits, asked.seed
     prediction = one.filled.prediction
+    trials, most = asked.trials or TRIALS, asked.max_trials or MAX_TRIALS
     doubtful: tuple[str, ...] = ()
-    if judging.by_law:
-        judged = screen(held, law, seed=judging.seed)
+    if by_law(asked):
+        judged = screen(held, seed=seed)
     else:
-        judged = judge(
-            held,
-            law,
-            seed=judging.seed,
-            trials=judging.trials,
-            # What missing lines leave open, no trial decides.
-            max_trials=judging.trials if prediction else judging.max_trials,
-        )
-    if judging.validate:
+        # What missing lines leave open, no trial decides.
+        last = trials if prediction else most
+        judged = judge(held, seed=seed, trials=trials, max_trials=last)
+    if asked.validate:
         checks = validate(
-            held.problem, law, coverage=judging.coverage, seed=judging.seed
+            held.problem, held.law, coverage=one.wanted.coverage, seed=seed
         )
         doubtful = tuple(
             held.problem.outputs[row].name
             for row, by_trials in zip(held.rows, judged.by_trials, strict=True)
             if not (by_trials or checks[row].holds)
         )
-    beyond = np.abs(law.value[held.rows]) >= held.limits
-    names = [output.name for output in held.outputs]
+    beyond = np.abs(held.law.value[held.rows]) >= held.limits
     readings = None
     if prediction is None and len(one.sensors) == 1:
-        by_law = judging.by_law
-        is_usual = (judging.trials, judging.max_trials) == (TRIALS, MAX_TRIALS)
+        is_usual = by_law(asked) or (trials, most) == (TRIALS, MAX_TRIALS)
         readings = verdicts_by_reading(
-            one,
-            seed=judging.seed,
-            by_law=by_law,
-            taken=judged if by_law or is_usual else None,
+            one, seed=seed, by_law=by_law(asked), taken=judged if is_usual else None
         )
-    verdict = verdict_on(
-        one,
-        judged,
-        seed=judging.seed,
-        readings=readings,
-    )
-    used = judged.utilisation
-    is_near = NEAR[0] <= used <= NEAR[1]
+    verdict = verdict_on(one, judged, seed=seed, readings=readings)
+    is_near = NEAR[0] <= judged.utilisation <= NEAR[1]
     # Trials make no difference to what missing lines leave open.
     is_open = verdict.doubt is None and judged.trials is None
     is_open = is_open and (is_near or judged.is_open)
-    found = entrant_of(one, verdict)
+    found = entrant_of(one, verdict, place)
     one.let_go()
     return replace(
         found,
@@ -174,82 +166,65 @@ def _judge(task: tuple[Question, None], *, judging: Judging) -> Entrant:
         judged=judged,
         closer=judged,
         normals=held.problem.normals_per_trial,
-        impossible=tuple(itertools.compress(names, beyond)),
+        impossible=tuple(compress((x.name for x in held.outputs), beyond)),
         doubtful=doubtful,
     )
 
 
-def entrant_of(one: Question, verdict: Verdict) -> Entrant:
+def entrant_of(one: Question, verdict: Verdict, place: int) -> Entrant:
     """Return what is said of every candidate, whether it can be judged or not."""
-    device, caps = one.devices[0], one.wanted.caps
+    device = one.devices[0]
+    caps = [(m, cap, getattr(device, m)) for m, cap in one.wanted.caps if m in MERITS]
     return Entrant(
         **vars(verdict),
         name=device.name,
-        place=0,
+        place=place,
         procedure=one.procedure.name,
         file=device.origin.file,
         technology=device.technology,
         vendor=device.vendor,
-        not_given=tuple(name for one in one.sensors for name in one.not_given),
-        missing=missing_lines(one, verdict),
+        not_given=tuple(name for own in one.sensors for name in own.not_given),
+        missing=_missing_lines(one, verdict),
         price=device.price,
         mass=device.mass,
         power=device.power,
         over_caps=tuple(
-            text
-            for merit, cap in caps
-            if merit in MERITS
-            and (text := over_cap(merit, getattr(device, merit), cap))
+            said for merit, cap, text in caps if (said := over_cap(merit, text, cap))
         ),
         unknown_caps=tuple(
             UnknownCap(merit=merit, cap=cap, text=text)
-            for merit, cap in caps
-            if merit in MERITS
-            and not is_known(merit, text := getattr(device, merit), cap)
+            for merit, cap, text in caps
+            if not is_known(merit, text, cap)
         ),
     )
 
 
-def missing_lines(one: Question, verdict: Verdict) -> MissingLines | None:
+def _missing_lines(one: Question, verdict: Verdict) -> MissingLines | None:
     """Return what lines that are not given could do to limits; None where none can."""
     missing = verdict.matter(one.bare.missing)
     if not missing:
         return None
-    used = verdict.at_ceilings
     is_bound = one.filled.mode == REFUSE
+    used = verdict.at_ceilings if is_bound else None
     return MissingLines(
         lines=missing,
         filling=one.filled,
-        utilisation=used if is_bound else None,
-        verdict=""
-        if used is None or not is_bound
-        else ("meets" if settle(used) <= 1.0 else "fails"),
+        utilisation=used,
+        verdict="" if used is None else "meets" if settle(used) <= 1.0 else "fails",
         is_bound=is_bound,
     )
 
 
-def _look_closer(
-    task: tuple[Question, Entrant], *, judging: Judging, trials: int
-) -> Entrant:
+def _look_closer(task: tuple[Question, Entrant], *, seed: int, trials: int) -> Entrant:
     """Judge one candidate again with more trials, for its rank."""
     one, finding = task
     if (finding.looked_at.trials or 0) >= trials:
         return finding
-    one = replace(one)
-    closer = judge_with(
-        one.limits,
-        one.law,
-        seed=judging.seed,
-        trials=trials,
-    )
-    return replace(finding, closer=closer)
+    one = replace(one)  # of thousands no Problem is kept
+    return replace(finding, closer=judge_with(one.limits, seed=seed, trials=trials))
 
 
-def _tied(
-    candidates: Sequence[Question],
-    findings: dict[int, Entrant],
-    max_trials: int,
-) -> list[int]:
+def _tied(findings: dict[int, Entrant], max_trials: int) -> list[int]:
     """Return the places that a neighbour ties with, where more trials can tell.
 
     Of devices that fail nobody chooses one: their ties stand as their verdicts left
@@ -257,16 +232,13 @@ def _tied(
     """
     found: set[int] = set()
     lists: dict[tuple[str, str, str], list[int]] = {}
-    for place, one in enumerate(candidates):
-        if one.missing or one.filled.lines:
-            continue  # no trial says how a line that is not given would rank it
-        if findings[place].verdict == FAILS:
-            continue
-        key = (one.owner, one.procedure.name, findings[place].verdict)
-        lists.setdefault(key, []).append(place)
+    for place, one in findings.items():
+        if one.verdict != FAILS:
+            key = (one.sensor, one.procedure, one.verdict)
+            lists.setdefault(key, []).append(place)
     for places in lists.values():
         order = sorted(places, key=lambda p: findings[p].utilisation)
-        for better, worse in itertools.pairwise(order):
+        for better, worse in pairwise(order):
             a, b = (findings[place].looked_at for place in (better, worse))
             if is_same(a.ends, b.ends):
                 continue  # what decides is the same lines: no trial parts them
@@ -281,7 +253,7 @@ def _tied(
         # by the trials alone.
         twins = [
             pair
-            for pair in itertools.pairwise(order)
+            for pair in pairwise(order)
             if is_same(*(findings[place].looked_at.ends for place in pair))
         ]
         for pair in (*twins, *reversed(twins)):

@@ -1,63 +1,95 @@
-"""Ranking of judged devices: order, confidence, Pareto fronts, pairs."""
+"""Ranking of judged devices: order, confidence, Pareto fronts, units of parts."""
 
 from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import reduce
-from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from budget.methods.largest import joined, probability_smaller
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
-from budget.names import IMU
+from budget.names import IMU, MISSION
 from budget.results import VERDICTS, Verdict
-from budget.studies.comparison.records import Entrant, Lead, Pair
+from budget.studies.comparison.records import (
+    NUMBERED,
+    Entrant,
+    Lead,
+    Unit,
+    probability_of,
+)
 from budget.studies.figures_of_merit import MERITS, front, read_amount
 from budget.studies.judgement import together
-from budget.studies.verdicts import FAILS, PREDICTED, UNDECIDABLE, gravest
+from budget.studies.verdicts import FAILS, UNDECIDABLE, gravest
 from budget.ties import settle
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
+
+R = TypeVar("R", Entrant, Unit)
 
 
-def rank(verdicts: Sequence[Entrant]) -> tuple[Entrant, ...]:
-    """Order each list best first, say how sure each step is, and find the fronts."""
+def rank_devices(found: Iterable[Entrant]) -> tuple[Entrant, ...]:
+    """Rank what was judged within each sensor and procedure, and find the fronts.
+
+    What is only known to be this or more, rests on lines of others, or does not read
+    what it is asked for, beats nobody: it is on no front.
+    """
     lists: dict[tuple[str, str], list[Entrant]] = {}
-    for row in verdicts:
-        lists.setdefault((row.sensor, row.procedure), []).append(row)
-    ranked: list[Entrant] = []
-    for rows in lists.values():
-        order = sorted(rows, key=lambda row: place_of((row,), row))
-        # What is only known to be this or more, rests on lines of others, or does not
-        # read what it is asked for, beats nobody: it is on no front.
+    for one in found:
+        lists.setdefault((one.sensor, one.procedure), []).append(one)
+    every = []
+    for ranked in map(rank, lists.values()):
+        beaten = [one.rests_on_others or one.saturates for one in ranked]
         fronts = {
             merit: front(
                 [
                     (
-                        r.utilisation,
-                        None
-                        if r.rests_on_others or r.saturates
-                        else read_amount(merit, getattr(r, merit)),
+                        one.utilisation,
+                        None if is_no else read_amount(merit, getattr(one, merit)),
                     )
-                    for r in order
+                    for one, is_no in zip(ranked, beaten, strict=True)
                 ]
             )
             for merit in MERITS
         }
-        for place, row in enumerate(order):
-            following = order[place + 1] if place + 1 < len(order) else None
-            ranked.append(
-                replace(
-                    row,
-                    ahead=_ahead(row, following),
-                    on_front=tuple(m for m in MERITS if fronts[m][place]),
-                )
-            )
-    return tuple(ranked)
+        every += [
+            replace(one, on_front=tuple(m for m in MERITS if fronts[m][place]))
+            for place, one in enumerate(ranked)
+        ]
+    return tuple(every)
 
 
-def place_of(parts: Sequence[Entrant], whole: Verdict) -> tuple[float, ...]:
+def rank(found: Iterable[R]) -> list[R]:
+    """Order a list best first, say how sure each step is, and number it."""
+    order = sorted(found, key=place_of)
+    following = [*order[1:], None]
+    return numbered(
+        [
+            replace(one, ahead=None if after is None else _ahead(one, after))
+            for one, after in zip(order, following, strict=True)
+        ]
+    )
+
+
+def numbered(order: Iterable[R]) -> list[R]:
+    """Give each its rank; neighbours that cannot be told apart at 95 % share one.
+
+    What neither meets nor meets on conditions has none.
+    """
+    found: list[R] = []
+    rank, was_tied = 0, False
+    for place, one in enumerate(order, start=1):
+        rank = rank if was_tied else place
+        is_tied = one.ahead is not None and one.ahead.is_tied
+        is_ranked = one.verdict in NUMBERED
+        found.append(
+            replace(one, rank=rank, is_tied=is_tied or was_tied) if is_ranked else one
+        )
+        was_tied = is_tied
+    return found
+
+
+def place_of(one: Entrant | Unit) -> tuple[float, ...]:
     """Return what a device is ranked by, of the parts it is judged by: less is better.
 
     The verdict, of predicted ones the probability, the utilisation with every missing
@@ -65,16 +97,16 @@ def place_of(parts: Sequence[Entrant], whole: Verdict) -> tuple[float, ...]:
     three digits of it are equal, a bound comes after a full value, and more conditions
     and more that is not given after fewer.
     """
-    worst = settle(max(map(_at_ceilings, parts)))
+    worst = settle(max(map(_at_ceilings, one.parts)))
     return (
-        VERDICTS.index(whole.verdict),
-        -(_all(parts) or 0.0),
+        VERDICTS.index(one.verdict),
+        -(probability_of(one.parts) or 0.0),
         float(f"{worst:.2e}"),
-        any(one.utilisation.is_bound for one in parts),
-        len(whole.conditions),
-        len(whole.negligible),
+        any(part.utilisation.is_bound for part in one.parts),
+        len(one.conditions),
+        len(one.negligible),
         worst,
-        settle(max(one.utilisation for one in parts)),
+        settle(max(part.utilisation for part in one.parts)),
     )
 
 
@@ -85,37 +117,24 @@ def _at_ceilings(row: Entrant) -> float:
     return row.at_worst
 
 
-def _ahead(one: Entrant | Pair, following: Entrant | Pair | None) -> Lead | None:
+def _ahead(one: Entrant | Unit, following: Entrant | Unit) -> Lead | None:
     """Return how sure it is that one is better than the next; None by the law.
 
     None also where one of them is only known to be this or more, or rests on lines of
     other devices: of what is not given nobody knows a probability. Between two verdicts
     the verdict decides, whatever the utilisations are.
     """
-    if following is None or following.verdict != one.verdict:
-        return None
-    both = [x.parts if isinstance(x, Pair) else (x,) for x in (one, following)]
-    if any(x.trials is None or x.rests_on_others for parts in both for x in parts):
+    both = (one.parts, following.parts)
+    if following.verdict != one.verdict or any(
+        x.trials is None or x.rests_on_others for parts in both for x in parts
+    ):
         return None
     # The ends of all parts are moved by the same trials.
     ends = [joined([part.looked_at.ends for part in parts]) for parts in both]
-    name = following.gyro if isinstance(following, Pair) else following.name
-    return Lead(other=name, probability=probability_smaller(*ends))
+    return Lead(other=following.name, probability=probability_smaller(*ends))
 
 
-def _all(parts: Sequence[Entrant]) -> float | None:
-    """Return the probability that all parts meet; None where nothing is predicted.
-
-    As if their missing lines were independent: of one device they go together, and
-    then it is more.
-    """
-    doubts = [one.doubt for one in parts if one.doubt is not None]
-    if not doubts or gravest(one.verdict for one in parts) != PREDICTED:
-        return None
-    return prod(doubt.probability for doubt in doubts)
-
-
-def pair_up(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Pair, ...]:
+def pair_up(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Unit, ...]:
     """Pair every gyro with every accelerometer of the same procedure, best first.
 
     Where limits `is_shared` by both nobody knows whether those of two devices meet.
@@ -130,55 +149,53 @@ def pair_up(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Pair, ...]:
         if other.sensor == ACCELEROMETER and other.procedure == gyro.procedure
         for own in [[shared] if gyro.place == other.place and shared else []]
     ]
-    return tuple(sorted(found, key=lambda one: place_of(one.parts, one)))
+    return tuple(sorted(found, key=place_of))
 
 
-def rank_imus(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Pair, ...]:
-    """Rank the devices of which both sensors are judged, under each procedure.
-
-    As `rank` does, with the gravest verdict of both and, where limits `is_shared`, of
-    what belongs to both, the missing lines of all and the largest utilisation; so sure
-    as the largest of the outputs of all tells them apart.
-    """
-    both: dict[tuple[str, int], dict[str, Entrant]] = {}
-    for row in rows:
-        if row.sensor in {*SENSORS, IMU}:
-            both.setdefault((row.procedure, row.place), {})[row.sensor] = row
-    lists: dict[str, list[Pair]] = {}
-    for (procedure, _), parts in both.items():
-        if IMU in parts or len(parts) > 1:
-            own = [parts[kind] for kind in (*SENSORS, IMU) if kind in parts]
+def rank_imus(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Unit, ...]:
+    """Rank the devices of which both sensors are judged, under each procedure."""
+    lists: dict[str, list[Unit]] = {}
+    for (procedure, _), parts in by_device(rows).items():
+        own = [one for kind in (*SENSORS, IMU) for one in parts if one.sensor == kind]
+        if len(own) > 1 or any(one.sensor == IMU for one in own):
             lists.setdefault(procedure, []).append(as_one(own, is_shared=is_shared))
-    ranked: list[Pair] = []
-    for found in lists.values():
-        order = sorted(found, key=lambda one: place_of(one.parts, one))
-        for one, following in zip(order, [*order[1:], None], strict=True):
-            ranked.append(replace(one, ahead=_ahead(one, following)))
-    return tuple(ranked)
+    return tuple(one for found in lists.values() for one in rank(found))
 
 
-def as_one(parts: Sequence[Entrant], *, is_shared: bool) -> Pair:
-    """Put a gyro and an accelerometer together, and what belongs to both.
+def by_device(rows: Iterable[Entrant]) -> dict[tuple[str, int], list[Entrant]]:
+    """Return the parts of each device under each procedure, as they stand."""
+    found: dict[tuple[str, int], list[Entrant]] = {}
+    for one in rows:
+        found.setdefault((one.procedure, one.place), []).append(one)
+    return found
 
-    Where limits `is_shared` by both nobody knows whether those of two devices meet.
+
+def as_one(parts: Sequence[Entrant], *, is_shared: bool, order: int = 0) -> Unit:
+    """Put parts together: triads as one, counted in the same trials, then the mission.
+
+    The gravest verdict, the largest utilisation, the missing lines of all. Where limits
+    `is_shared` by both triads nobody knows whether those of two devices meet.
     """
-    whole: Verdict = reduce(Verdict.beside, parts)
+    triads = [one for one in parts if one.sensor != MISSION]
+    is_counted = len(triads) > 1 and all(one.is_judged for one in parts)
+    standings: list[Verdict] = [*parts]
+    if is_counted:
+        missions = [one for one in parts if one.sensor == MISSION]
+        standings = [_counted(triads, is_shared=is_shared), *missions]
+    whole: Verdict = reduce(Verdict.beside, standings)
+    own = {one.name: getattr(whole, one.name) for one in fields(Verdict)}
+    return Unit(**own, parts=tuple(parts), order=order)
+
+
+def _counted(triads: Sequence[Entrant], *, is_shared: bool) -> Verdict:
+    """Return the verdict on triads whose limits are counted in the same trials."""
+    whole: Verdict = reduce(Verdict.beside, triads)
     verdict = whole.verdict
-    if is_shared and not any(one.sensor == IMU for one in parts):
+    if is_shared and not any(one.sensor == IMU for one in triads):
         verdict = gravest((verdict, UNDECIDABLE))
-    judged = [one.judged for one in parts if one.judged is not None]
+    judged = [one.judged for one in triads if one.judged is not None]
     all_of, needed = together(judged), judged[0].together
     if needed is not None and all_of.value < needed and not whole.at_medians:
         verdict = FAILS
-    if verdict == FAILS:  # nothing to ask for could mend it
-        whole = replace(whole, conditions=())
-    whole = replace(whole, verdict=verdict, conformance=all_of)
-    names = {one.sensor: one.name for one in parts}
-    return Pair(
-        **{one.name: getattr(whole, one.name) for one in fields(Verdict)},
-        gyro=names.get(GYRO, parts[0].name),
-        accelerometer=names.get(ACCELEROMETER, parts[0].name),
-        procedure=parts[0].procedure,
-        parts=tuple(parts),
-        probability=_all(parts),
-    )
+    conditions = () if verdict == FAILS else whole.conditions  # no answer mends it
+    return replace(whole, verdict=verdict, conditions=conditions, conformance=all_of)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from dataclasses import dataclass, field
+from itertools import chain
+from math import prod
 from typing import TYPE_CHECKING
 
 from budget import views
 from budget.documents import Documented, written
+from budget.inputs.load import UNTESTED
+from budget.inputs.records import FACTORY
 from budget.results import VERDICTS, Study, Verdict
+from budget.ties import settle
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -21,6 +25,20 @@ if TYPE_CHECKING:
     from budget.studies.judgement import Judged
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ranked(Verdict):
+    """A verdict with its place in a list, best first."""
+
+    ahead: Lead | None = None  # of the next one with the same verdict
+    rank: int | None = None  # in its list; None: neither meets nor meets on conditions
+    is_tied: bool = False  # whether it shares its rank with a neighbour
+
+    @property
+    def printed_rank(self) -> str:
+        """Its rank; '2=' where neighbours cannot be told apart at 95 %."""
+        return "" if self.rank is None else f"{self.rank}{'=' * self.is_tied}"
 
 
 @written(
@@ -136,7 +154,7 @@ class UnknownCap:
     said="One sensor of one device under one procedure, and what its data sheet says.",
 )
 @dataclass(frozen=True, kw_only=True)
-class Entrant(Verdict):
+class Entrant(Ranked):
     """The verdict on one sensor of one device under one procedure, and its sheet.
 
     Of a mission it is both sensors, and `sensor` is 'mission'. Of a sensor of which no
@@ -158,9 +176,7 @@ class Entrant(Verdict):
     unknown_caps: tuple[UnknownCap, ...]
     vendor: str = ""  # whom to ask; '' where its file does not say
     advice: str = ""
-    ahead: Lead | None = None  # of the next one with the same verdict
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
-    rank: int | None = None  # filled in by its list
     # With as many trials as the verdict took, and as its rank took.
     judged: Judged | None = field(default=None, repr=False, compare=False)
     closer: Judged | None = field(default=None, repr=False, compare=False)
@@ -172,6 +188,11 @@ class Entrant(Verdict):
     def is_judged(self) -> bool:
         """Whether anything is known of it."""
         return bool(self.outputs)
+
+    @property
+    def parts(self) -> tuple[Entrant, ...]:
+        """What it consists of: itself."""
+        return (self,)
 
     @property
     def looked_at(self) -> Judged:
@@ -225,30 +246,99 @@ class Entrant(Verdict):
     *known_conformance as conformance
     probability? [1]: that both meet, where lines are predicted
     """,
+    said="A gyro and an accelerometer together, counted in the same trials.",
 )
 @written(
     "imu",
     """
-    name = gyro: of the device
+    name: of the device
     rank: under its procedure
     *self as pair
     *self as verdict
     """,
+    said="A gyro and an accelerometer together, counted in the same trials.",
+)
+@written(
+    "offer",
+    """
+    name
+    file = parts.0.file
+    after = procedure: the procedure, or the maker's
+    verdict: the gravest of all that is limited of it
+    utilisation = worst.utilisation [1]: the largest part of a limit; null where nothing
+      is known
+    lower_bound = utilisation.is_bound: whether the utilisation is this or more
+    worst_outputs = worst.worst_outputs or null: that use most of their limits
+    limiting_source = worst.remedy.source: with the largest share there
+    price = parts.0.price
+    mass = parts.0.mass
+    power = parts.0.power
+    *self as verdict not in CSV
+    """,
+    said="One device after one calibration, with all that the requirement limits of "
+    "it.",
 )
 @dataclass(frozen=True, kw_only=True)
-class Pair(Verdict):
-    """A gyro and an accelerometer together, counted in the same trials.
+class Unit(Ranked):
+    """What is judged of several parts as one: triads, what belongs to both, a mission.
 
-    The worst outputs and what limits them are of the triad that uses most.
+    Triads are counted in the same trials; the worst outputs and what limits them are of
+    the part that uses most. Of a purchase it is all that is limited of one device.
     """
 
-    gyro: str
-    accelerometer: str
-    procedure: str
-    parts: tuple[Entrant, ...] = field(repr=False, compare=False)  # and of both
-    probability: float | None = None  # that both meet, where lines are predicted [1]
-    ahead: Lead | None = None  # of the next IMU with the same verdict
-    rank: int | None = None  # filled in by its list
+    parts: tuple[Entrant, ...] = field(repr=False, compare=False)
+    order: int = 0  # of the calibration, among those at hand
+
+    @property
+    def name(self) -> str:
+        """The device; of two, that of the gyro."""
+        return self.parts[0].name
+
+    gyro = name
+
+    @property
+    def accelerometer(self) -> str:
+        """The device that the accelerometer is of."""
+        return self.parts[-1].name
+
+    @property
+    def procedure(self) -> str:
+        """What it is calibrated by: a procedure, or its maker."""
+        return self.parts[0].procedure
+
+    @property
+    def is_as_made(self) -> bool:
+        """Whether it is used as its maker calibrated it: no test is needed."""
+        return self.procedure == UNTESTED[FACTORY]
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether anything is known of every part."""
+        return all(one.is_judged for one in self.parts)
+
+    @property
+    def worst(self) -> Entrant | None:
+        """The part that uses most of its limits; None: nothing is known of one."""
+        worst = max(self.parts, key=lambda one: settle(one.utilisation))
+        return worst if self.is_judged else None
+
+    @property
+    def probability(self) -> float | None:
+        """Probability that all parts meet; None where nothing is predicted [1]."""
+        return probability_of(self.parts)
+
+
+def probability_of(parts: Sequence[Entrant]) -> float | None:
+    """Return the probability that all parts meet; None where nothing is predicted [1].
+
+    As if their missing lines were independent: of one device they go together, and then
+    it is more.
+    """
+    doubts = [one.doubt for one in parts if one.doubt is not None]
+    gravest = max((one.verdict for one in parts), key=VERDICTS.index)
+    if not doubts or gravest != "predicted":
+        return None
+    return prod(doubt.probability for doubt in doubts)
 
 
 @written(
@@ -264,8 +354,8 @@ class Pair(Verdict):
     settings: what it depends on besides
     devices = ranked: best first within each sensor and procedure
     nothing_known as entrant: of which no error line is given, not ranked
-    imus = numbered_imus as imu: devices of both sensors as one, best first
-    pairs: every gyro with every accelerometer, where asked for
+    imus as imu: devices of both sensors as one, best first
+    pairs as pair: every gyro with every accelerometer, where asked for
     assumptions
     warnings
     """,
@@ -286,8 +376,8 @@ class Comparison(Study):
     # Sensors that have limits and candidates, of which none can be tested (range).
     untested: tuple[str, ...] = ()
     # Devices of both sensors as one, best first under each procedure.
-    imus: tuple[Pair, ...] = ()
-    pairs: tuple[Pair, ...]  # every gyro with every accelerometer, where asked for
+    imus: tuple[Unit, ...] = ()
+    pairs: tuple[Unit, ...]  # every gyro with every accelerometer, where asked for
 
     def output_frame(self) -> pd.DataFrame:
         """Return its CSV document as a pandas frame: each device, required output."""
@@ -330,45 +420,5 @@ class Comparison(Study):
 
     @property
     def ranked(self) -> Iterator[Entrant]:
-        """The devices with their ranks, best first."""
-        for devices in self.lists.values():
-            for one, rank in zip(devices, ranks(devices), strict=True):
-                yield replace(one, rank=rank_number(rank))
-
-    @property
-    def numbered_imus(self) -> list[Pair]:
-        """IMUs as one device with their ranks."""
-        return [replace(one, rank=rank_number(rank)) for one, rank in self.ranked_imus]
-
-    @property
-    def ranked_imus(self) -> tuple[tuple[Pair, str], ...]:
-        """IMUs as one device, each with its rank under its procedure."""
-        return tuple(
-            pair
-            for procedure in self.procedures
-            for own in [[one for one in self.imus if one.procedure == procedure]]
-            if own
-            for pair in zip(own, ranks(own), strict=True)
-        )
-
-
-def ranks(devices: Sequence[Entrant | Pair]) -> tuple[str, ...]:
-    """Return ranks; neighbours that cannot be told apart at 95 % share one, '2='.
-
-    '' of those that neither meet nor meet on conditions.
-    """
-    numbers, tied = [1], [False] * len(devices)
-    for place, (better, _) in enumerate(pairwise(devices)):
-        is_tied = better.ahead is not None and better.ahead.is_tied
-        numbers.append(numbers[-1] if is_tied else place + 2)
-        if is_tied:
-            tied[place] = tied[place + 1] = True
-    return tuple(
-        f"{number}{'=' if share else ''}" if one.verdict in NUMBERED else ""
-        for one, number, share in zip(devices, numbers, tied, strict=False)
-    )
-
-
-def rank_number(rank: str) -> int | None:
-    """Return a rank without the mark of a tie; None of what has none."""
-    return int(rank.rstrip("=")) if rank else None
+        """The devices, sensor by sensor, best first."""
+        return chain.from_iterable(self.lists.values())

@@ -195,6 +195,7 @@ def export(
         target=target,
         title=" and ".join(dict.fromkeys(one.device for one in sensors.values())),
         inputs=input_files(imus, procedure=how if residual else None),
+        settings=asked.settle(),
         entries=entries,
         left_out=tuple(filled_in.left_out.values()),
         not_held=tuple(_not_held(sensors, held | told.keys())),

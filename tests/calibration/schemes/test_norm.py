@@ -9,7 +9,8 @@ import pytest
 from builders import line, sensor
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of
@@ -180,16 +181,16 @@ def test_faces_alone_do_not_show_angles(tmp_path):
         for axis in "xyz"
         for word in ("up", "down")
     )
-    path = tmp_path / "faces.yaml"
-    path.write_text(f"name: faces\nestimator: norm\nwindows:\n{faces}")
+    path = put(
+        tmp_path / "faces.yaml", f"name: faces\nestimator: norm\nwindows:\n{faces}"
+    )
     plan = load_procedure(path)
     with pytest.raises(CallError, match="attitudes between the faces") as caught:
         scheme_of(OWNER, plan, device(np.random.default_rng(1), 0.0))
 
     for pair in ("yz", "zx", "zy"):
         assert f"mounting_angle.{pair}" in str(caught.value)
-    run = call("analyze", "zhao-2019", "--procedure", path)
-    assert run.code == 2
+    run = call("analyze", "zhao-2019", "--procedure", path, code=2)
     assert "cannot tell apart" in run.err
 
 
@@ -215,8 +216,7 @@ def test_how_a_triad_is_turned_is_refused_and_not_taken_from_the_table():
 )
 def test_windows_that_have_no_norm_are_refused(tmp_path, window, words):
     """Turns, and windows of a gyro."""
-    path = tmp_path / "mine.yaml"
-    path.write_text(f"estimator: norm\nwindows:\n  - {{{window}}}\n")
+    path = put(tmp_path / "mine.yaml", f"estimator: norm\nwindows:\n  - {{{window}}}\n")
     with pytest.raises(SpecError, match=r"windows\[0\]") as caught:
         load_procedure(path)
 
@@ -226,9 +226,8 @@ def test_windows_that_have_no_norm_are_refused(tmp_path, window, words):
 
 def test_a_gyro_alone_has_no_norm_of_gravity():
     """The remedy is another estimator, no window."""
-    run = call("analyze", "adxrs453", "--procedure", SHIPPED[0])
+    run = call("analyze", "adxrs453", "--procedure", SHIPPED[0], code=2)
 
-    assert run.code == 2
     assert_says(run.err, "accelerometers alone", "another estimator")
     assert "window" not in run.err
 

@@ -9,7 +9,8 @@ import pytest
 from builders import line, sensor
 from command_line import call
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import scheme_of, schemes_of
@@ -57,8 +58,7 @@ def vector(found):
 
 def read(scheme, path, tmp_path, text):
     """Load a procedure of that text."""
-    path = tmp_path / f"{path}.yaml"
-    path.write_text(scheme + text)
+    path = put(tmp_path / f"{path}.yaml", scheme + text)
     return load_procedure(path)
 
 
@@ -210,9 +210,8 @@ def test_means_of_rotations_are_their_integrals():
 
 def test_a_gyro_without_accelerometers_is_refused():
     """In words, by analyze; a comparison says that nothing was judged of it."""
-    run = call("analyze", "adxrs453", "--procedure", SHIPPED)
+    run = call("analyze", "adxrs453", "--procedure", SHIPPED, code=2)
 
-    assert run.code == 2
     assert_says(run.err, "accelerometers beside it", "give a device with both")
 
 
@@ -239,8 +238,7 @@ def test_turns_that_do_not_show_all_are_refused(tmp_path):
 )
 def test_moves_that_cannot_be_are_refused(tmp_path, text, words):
     """Of another estimator, no rate, more steps than there may be windows."""
-    path = tmp_path / "mine.yaml"
-    path.write_text(text)
+    path = put(tmp_path / "mine.yaml", text)
     with pytest.raises(SpecError) as caught:
         load_procedure(path)
 

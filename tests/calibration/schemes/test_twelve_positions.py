@@ -9,7 +9,8 @@ import pytest
 from builders import line, procedure, sensor
 from keeping import Pulses
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.schemes import schedule_of, scheme_of
@@ -118,8 +119,7 @@ def test_pulses_agree_with_the_law():
 )
 def test_keys_that_do_not_go_together_are_refused(tmp_path, text, words):
     """Which, and what to do."""
-    path = tmp_path / "mine.yaml"
-    path.write_text(text + "\n")
+    path = put(tmp_path / "mine.yaml", text + "\n")
     with pytest.raises(SpecError) as caught:
         load_procedure(path)
 

@@ -6,10 +6,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import UNITS, assert_printed, errors, simulated, triads
-from builders import NOWHERE, line, paper_accelerometer, procedure
+from builders import (
+    NOWHERE,
+    UNITS,
+    assert_printed,
+    errors,
+    line,
+    paper_accelerometer,
+    procedure,
+    simulated,
+    triads,
+)
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate

@@ -7,21 +7,25 @@ from functools import cache
 
 import numpy as np
 import pytest
-from acting import (
+from builders import (
     ACC_BIAS,
     ACC_SF,
     GYRO_ANGLE,
     GYRO_BIAS,
     GYRO_SF,
+    NOWHERE,
     UNITS,
     assert_printed,
+    at_sources,
     errors,
+    line,
+    procedure,
     simulated,
     triads,
 )
-from builders import NOWHERE, at_sources, line, procedure
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget import compare, load_procedure, load_requirement
 from budget.calibration.problem import calibration_problem
@@ -373,8 +377,7 @@ def test_a_vibration_that_no_sensor_feels_is_said():
 
 def read(tmp_path, environment):
     """Return the procedure of a file with that environment."""
-    path = tmp_path / "p.yaml"
-    path.write_text(f"latitude: 40 deg\nenvironment: {environment}\n")
+    path = put(tmp_path / "p.yaml", f"latitude: 40 deg\nenvironment: {environment}\n")
     return load_procedure(path)
 
 
@@ -499,17 +502,16 @@ def test_any_estimator_takes_the_temperature(name, course):
 @pytest.mark.slow
 def test_compare_allocate_and_analyze_agree_in_a_full_environment(tmp_path):
     """One budget: the utilisation of a limit is the same from every command."""
-    station = tmp_path / "station.yaml"
-    station.write_text(
+    station = put(
+        tmp_path / "station.yaml",
         "station: {levelling: {east: 20 arcsec}, mount: 5 arcsec}\n"
         "environment: {temperature: {ramp: 1 degC/h, sigma: 0.5 degC, "
         "correlation_time: 30 min, warm_up: 2 degC, warm_up_time: 15 min, "
         "soak: 1 degC, soak_points: [20 min], settling_time: 5 min, mission: 15 degC}, "
         "vibration: {test: 0 g, mission: 1 g}, age: 6 months}\n",
-        encoding="utf-8",
     )
-    device = tmp_path / "device.yaml"
-    device.write_text(
+    device = put(
+        tmp_path / "device.yaml",
         "name: one\ngyro:\n  errors:\n"
         "    bias_repeatability: 0.3 deg/h\n    bias_stability: 0.05 deg/h\n"
         "    angle_random_walk: 0.005 deg/sqrt(h)\n"
@@ -520,12 +522,10 @@ def test_compare_allocate_and_analyze_agree_in_a_full_environment(tmp_path):
         "    vibration_rectification: 0.05 deg/h/g^2\n"
         "    ageing: {value: 0.2 deg/h, horizon: 1 year, law: drift}\n"
         "    scale_factor_ageing: {value: 30 ppm, horizon: 1 year, law: drift}\n",
-        encoding="utf-8",
     )
-    limits = tmp_path / "limits.yaml"
-    limits.write_text(
+    limits = put(
+        tmp_path / "limits.yaml",
         "name: l\nlimits: {gyro: {bias: 2 deg/h, scale_factor: 200 ppm}}\n",
-        encoding="utf-8",
     )
     one, wanted = load_device(device), load_requirement(limits)
     how = load_procedure(station=station)

@@ -6,10 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import ACC_BIAS, ACC_SF, GYRO_BIAS, GYRO_SF, UNITS, triads
-from builders import at_sources, line, procedure
+from builders import (
+    ACC_BIAS,
+    ACC_SF,
+    GYRO_BIAS,
+    GYRO_SF,
+    UNITS,
+    at_sources,
+    line,
+    procedure,
+    triads,
+)
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget.calibration.problem import calibration_problem
 from budget.calibration.simulation import simulate
@@ -112,9 +122,7 @@ def test_pulses_show_the_same_ageing(monkeypatch):
 
 def write(tmp_path, repeatability="20 ug", ageing="{value: 300 ug, horizon: 1 year}"):
     """Write a device with these two lines."""
-    path = tmp_path / "aged.yaml"
-    path.write_text(DEVICE.format(repeatability, ageing), encoding="utf-8")
-    return path
+    return put(tmp_path / "aged.yaml", DEVICE.format(repeatability, ageing))
 
 
 def test_a_file_says_how_it_ages(tmp_path):

@@ -7,9 +7,9 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from acting import GYRO_SF, UNITS, assert_printed
-from builders import line, procedure, sensor
+from builders import GYRO_SF, UNITS, assert_printed, line, procedure, sensor
 from numpy.testing import assert_allclose
+from places import put
 from scipy.integrate import quad
 
 from budget.calibration.problem import calibration_problem
@@ -115,9 +115,9 @@ def test_pulses_have_the_spread_of_the_law(kind, name, u):
 
 def read(tmp_path, *lines):
     """Return the gyro of a file with these lines."""
-    path = tmp_path / "d.yaml"
-    path.write_text(
-        "name: x\ngyro:\n  errors:\n" + "".join(f"    {a}\n" for a in lines)
+    path = put(
+        tmp_path / "d.yaml",
+        "name: x\ngyro:\n  errors:\n" + "".join(f"    {a}\n" for a in lines),
     )
     return load_device(path)
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from document_text import on_terminal
 from numpy.testing import assert_allclose
 from places import DOCS
+from reading import on_terminal
 
 import budget.model.sources
 from budget import load_device, load_procedure, load_requirement

@@ -7,31 +7,29 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from acting import (
+from builders import (
     ACC_ANGLE,
     ACC_BIAS,
     ACC_SF,
     GYRO_ANGLE,
     GYRO_BIAS,
     GYRO_SF,
-    UNITS,
-    assert_printed,
-    errors,
-    simulated,
-    triads,
-)
-from builders import (
     NOWHERE,
+    UNITS,
     asked,
+    assert_printed,
     at_sources,
+    errors,
     line,
     paper_accelerometer,
     paper_gyro,
     procedure,
     sensor,
+    simulated,
+    triads,
 )
 from numpy.testing import assert_allclose, assert_array_equal
-from saying import assert_says
+from reading import assert_says
 from scipy.special import ndtri
 
 from budget import load_procedure

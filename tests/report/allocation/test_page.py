@@ -7,9 +7,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from document_text import find, lines, on_terminal, rows
 from figure_text import cut_texts
-from saying import assert_says
+from reading import assert_says, find, lines, on_terminal, rows
 
 from budget import load_device, load_procedure, load_requirement
 from budget.inputs.records import Limit

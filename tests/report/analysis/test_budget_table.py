@@ -7,8 +7,8 @@ from functools import cache
 from math import sqrt
 
 import pytest
-from document_text import lines
 from numpy.testing import assert_allclose
+from reading import lines
 from report_examples import WIDE_LIMITS
 
 from budget.inputs import load_device, load_procedure, load_requirement

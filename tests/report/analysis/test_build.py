@@ -6,10 +6,11 @@ import json
 import re
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import pytest
-from document_text import find, lines, names, rows, say, section
 from numpy.testing import assert_allclose
+from reading import assert_says, find, lines, names, rows, say, section
 from report_examples import (
     ACCELEROMETER,
     AFTER,
@@ -22,7 +23,6 @@ from report_examples import (
     make_procedure,
     make_standing,
 )
-from saying import assert_says
 
 from budget.inputs import load_requirement
 from budget.inputs.device import read_device
@@ -50,7 +50,7 @@ TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
-NO_GAPS: dict = {"not_given": (), "could_widen": {}}
+NO_GAPS: dict = {"question": SimpleNamespace(not_given=()), "could_widen": {}}
 
 
 @cache

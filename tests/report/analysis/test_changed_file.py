@@ -6,6 +6,7 @@ from functools import cache
 
 import pytest
 from numpy.testing import assert_allclose
+from places import put
 from report_examples import WIDE_LIMITS
 
 from budget import analyze, load_catalogue, load_device, load_procedure
@@ -48,8 +49,8 @@ TRIALS = 10_000  # a tenth of what a report takes: those of both files are the s
 def few_trials(monkeypatch):
     """Judge the device and its file with the same trials, but fewer."""
 
-    def judge(held, law, *, seed, **_):
-        return judge_with(held, law, seed=seed, trials=TRIALS)
+    def judge(held, *, seed, **_):
+        return judge_with(held, seed=seed, trials=TRIALS)
 
     for module in (conformity, readings):
         monkeypatch.setattr(module, "judge", judge)
@@ -81,8 +82,7 @@ def assert_same(folder, device, *, limits=None, **options):
     """Check that the file is judged as the device is; return verdict and name."""
     wanted = load_requirement(WIDE_LIMITS if limits is None else limits)
     budget = analyze(device, requirement=wanted, validate=False, **options)
-    path = folder / "changed.yaml"
-    path.write_text(handed_out(budget, device), encoding="utf-8")
+    path = put(folder / "changed.yaml", handed_out(budget, device))
     read = load_device(path)
     again = analyze(read, requirement=wanted, validate=False, **options)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from document_text import find, lines
+from reading import find, lines
 from report_examples import make_budget
 
 from budget import analyze, load_device, load_procedure

@@ -15,11 +15,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from command_line import call, checked
-from document_text import find, on_terminal, say
 from figure_text import crossed_texts, cut_texts
 from numpy.testing import assert_allclose
 from places import TESTS
-from saying import assert_says
+from reading import assert_says, find, on_terminal, say
 
 from budget.inputs import (
     load_device,
@@ -29,6 +28,7 @@ from budget.inputs import (
     uncalibrated,
 )
 from budget.inputs.use import in_use
+from budget.known import Known
 from budget.language import speaking
 from budget.names import Name, time_text
 from budget.question import Question
@@ -338,7 +338,9 @@ def test_a_column_has_one_unit(sizes):
     last = max(row.output.name.time for row in carried().outputs)
     rows = [
         replace(
-            row, standard_uncertainty=sizes[row.output.name.time == last], radii=None
+            row,
+            standard_uncertainty=Known(sizes[row.output.name.time == last]),
+            radii=None,
         )
         if row.parameter == "position"
         else row
@@ -354,7 +356,7 @@ def test_heading_has_a_unit_of_its_own():
     """Roll and pitch stand in arcsec beside a heading that is off by degrees."""
     angles = {"roll": 14.0 * ARCSEC, "pitch": 13.0 * ARCSEC, "heading": 1.4 * DEGREE}
     rows = [
-        replace(row, standard_uncertainty=angles[row.axis])
+        replace(row, standard_uncertainty=Known(angles[row.axis]))
         if row.parameter == "attitude"
         else row
         for row in carried().outputs

@@ -6,9 +6,8 @@ from dataclasses import replace
 from functools import cache
 
 import pytest
-from document_text import find, lines, rows, say
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says, find, lines, rows, say
 
 from budget import load_device, load_procedure, load_requirement
 from budget.inputs import load_station

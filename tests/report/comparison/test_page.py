@@ -9,14 +9,12 @@ import re
 from dataclasses import replace
 
 import pytest
-from comparison_examples import compared, only_bias, paper_device, requirement
-from document_text import find, lines, names, on_terminal, rows, section
+from builders import compared, only_bias, paper_device, requirement
 from figure_text import cut_texts
-from saying import assert_says
+from reading import assert_says, find, lines, names, on_terminal, rows, section
 
 from budget.errors import CallError
 from budget.report.blocks import Picture, Table
-from budget.report.comparison.document import to_csv, to_json
 from budget.report.comparison.figures import (
     fit_name,
     front_plot,
@@ -34,13 +32,16 @@ from budget.report.comparison.tables import (
     print_parts,
     rankings,
     requests,
+    to_csv,
 )
+from budget.report.document import json_text
 from budget.report.figures.rows import draw
 from budget.report.page import render_page
 from budget.report.tables import print_probability, used_part
 from budget.report.typeset import typeset
 from budget.results import Probability, Remedy
-from budget.studies.comparison.records import Lead, ranks
+from budget.studies.comparison.ranking import numbered
+from budget.studies.comparison.records import Lead
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
@@ -137,7 +138,7 @@ def test_ties_share_a_rank(comparison):
     sure, tied = (Lead(other="", probability=p) for p in (1.0, 0.5))
     rows = [replace(row, ahead=ahead) for ahead in (sure, tied, sure, None)]
 
-    assert ranks(rows) == ("1", "2=", "2=", "4")
+    assert [one.printed_rank for one in numbered(rows)] == ["1", "2=", "2=", "4"]
 
 
 # Terminal
@@ -255,7 +256,7 @@ def test_pairs_are_counted_beyond_twenty():
 def test_documents_agree(comparison):
     """CSV and JSON hold the same numbers, a row for each device and output."""
     rows = list(csv.DictReader(io.StringIO(to_csv(comparison))))
-    devices = json.loads(to_json(comparison))["devices"]
+    devices = json.loads(json_text(comparison.to_dict()))["devices"]
 
     flat = [output["utilisation"] for one in devices for output in one["outputs"]]
     assert [float(row["utilisation"]) for row in rows] == flat
@@ -567,7 +568,7 @@ def test_page_harms_nobody_and_holds_the_numbers(comparison, document):
     assert not re.search(r'(src|href)="https?:', page)
     script = r'id="comparison-json"[^>]*>(.*?)</script>'
     embedded = re.search(script, page, re.DOTALL)[1]
-    assert json.loads(embedded) == json.loads(to_json(comparison))
+    assert json.loads(embedded) == json.loads(json_text(comparison.to_dict()))
 
 
 def test_page_has_unique_ids(document):

@@ -8,13 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import compared, paper_device, requirement
-from document_text import find, lines, on_terminal, rows, section
-from saying import assert_says
+from builders import compared, paper_device, requirement
+from reading import assert_says, find, lines, on_terminal, rows, section
 
+from budget import documents
 from budget.language import speaking
 from budget.report.blocks import Picture, Table
-from budget.report.comparison.document import to_json
 from budget.report.comparison.figures import map_chart
 from budget.report.comparison.page import (
     comparison_answer,
@@ -22,6 +21,7 @@ from budget.report.comparison.page import (
     comparison_sections,
 )
 from budget.report.comparison.tables import rankings, tallies
+from budget.report.document import json_pieces
 
 pytestmark = pytest.mark.usefixtures("drawn_once")
 
@@ -116,7 +116,7 @@ def test_json_is_written_piece_by_piece_as_if_at_once(sensors):
     if sensors != BOTH:
         found = replace(found, devices=(), pairs=())
     whole = json.dumps(found.to_dict(), ensure_ascii=False, indent=1) + "\n"
-    assert to_json(found) == whole
+    assert "".join(json_pieces(documents.document(found))) == whole
 
 
 def test_sections_in_a_report_say_how_they_were_computed():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from figure_text import crossed_texts, cut_texts, texts
 from numpy.testing import assert_allclose
-from saying import assert_says
+from reading import assert_says
 
 from budget.inputs import load_procedure, uncalibrated
 from budget.report.figures.attitudes import (

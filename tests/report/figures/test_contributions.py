@@ -106,7 +106,7 @@ def test_the_critical_output_is_the_one_nearest_its_limit():
         }
         critical = Critical.of(group, assessment)
         if used:
-            assert_allclose(critical.limit.used, max(used.values()), rtol=1e-12)
+            assert_allclose(critical.limit.utilisation, max(used.values()), rtol=1e-12)
         assert Critical.of(group, None).row == group.widest
 
 

@@ -10,9 +10,9 @@ from math import erfc, sqrt
 
 import numpy as np
 import pytest
-from document_text import find
 from figure_text import cut_texts, texts
 from numpy.testing import assert_allclose
+from reading import assert_says, find
 from report_examples import (
     GYRO,
     make_assessment,
@@ -24,7 +24,6 @@ from report_examples import (
     with_checks,
     with_indices,
 )
-from saying import assert_says
 
 from budget.inputs.records import AccelerometerProcedure
 from budget.names import Name

@@ -5,8 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 import pytest
-from document_text import find
-from saying import assert_says
+from reading import assert_says, find
 
 from budget.references.difference import Alteration, Cause, Move
 from budget.references.records import Item

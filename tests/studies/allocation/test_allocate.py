@@ -513,7 +513,7 @@ def test_costs_decide_who_pays():
     )
     plain, paid = allot(strategy="cost"), allot(costs=dear)
 
-    assert paid.strategy == "cost"
+    assert paid.settings.strategy == "cost"
     assert allowed(paid, "gyro.bias_stability") > 1.5 * allowed(
         plain, "gyro.bias_stability"
     )

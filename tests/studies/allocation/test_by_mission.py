@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import requirement
+from builders import requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError

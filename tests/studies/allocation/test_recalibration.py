@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from document_text import lines
 from numpy.testing import assert_allclose
+from reading import lines
 
 from budget import analyze, load_device, load_procedure, load_requirement
 from budget.report.allocation.page import allocation_section

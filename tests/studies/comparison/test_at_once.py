@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import Elsewhere
+from builders import Elsewhere
 from keeping import catalogue
 from numpy.testing import assert_allclose
 
@@ -19,9 +19,7 @@ from budget.missing.prediction import KEPT, _others, predict, prepare
 from budget.problem import Group
 from budget.studies.comparison import judging
 from budget.studies.comparison.compare import compare
-from budget.studies.verdicts import HALVINGS, _looked_up
-
-REFERENCES = ("nominal", "as_tested", "next_turn_on")
+from budget.studies.margin import turn
 
 
 def changed(device, times):
@@ -44,8 +42,14 @@ def changed(device, times):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("procedure", ["zhao-2019", "six-positions-and-turns"])
-@pytest.mark.parametrize("reference", REFERENCES)
+@pytest.mark.parametrize(
+    ("procedure", "reference"),
+    [
+        ("zhao-2019", "nominal"),
+        ("zhao-2019", "next_turn_on"),
+        ("six-positions-and-turns", "as_tested"),
+    ],
+)
 def test_a_law_of_a_shared_structure_is_that_of_its_own(procedure, reference):
     """Of every device that ships, after one of its structure: function and derivatives.
 
@@ -149,8 +153,8 @@ def test_a_bad_file_among_many_stops_no_other(tmp_path):
 
 
 @pytest.mark.parametrize("power", [1, 2, 4])
-def test_a_bound_is_looked_up_where_halvings_find_it(power):
-    """The same ends, though the function is hardly asked: counted."""
+def test_a_bound_is_looked_up_where_it_turns(power):
+    """At the root or just below, though the function is hardly asked: counted."""
     for root in np.random.default_rng(power).uniform(1e-6, 1.0, 50).tolist():
         asked = []
 
@@ -158,16 +162,8 @@ def test_a_bound_is_looked_up_where_halvings_find_it(power):
             asked.append(x)
             return x**power - root**power
 
-        def ends(is_beyond):
-            low, high = 0.0, 1.0
-            for _ in range(HALVINGS):
-                middle = 0.5 * (low + high)
-                low, high = (low, middle) if is_beyond(middle) else (middle, high)
-                if high - low <= 1e-9 * high:
-                    break
-            return low, high
+        found = turn(excess, 0.0, 1.0)
 
-        plain = ends(lambda x: excess(x) > 0.0)
-        number = len(asked)
-        assert ends(_looked_up(excess, 0.0, 1.0)) == plain
-        assert len(asked) - number < number
+        assert excess(found) <= 0.0
+        assert_allclose(found, root, rtol=1e-9)
+        assert len(asked) < 50

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from comparison_examples import SMALL, Elsewhere, device, paper_device, requirement
+from builders import SMALL, Elsewhere, device, paper_device, requirement
 from numpy.testing import assert_allclose
 
 from budget.errors import CallError
@@ -70,8 +70,10 @@ def test_better_devices_come_first():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limit", [0.2, 1.0, 5.0])  # [nautical miles]
-@pytest.mark.parametrize("name", ["zhao-2019", "adis16495-1"])
+@pytest.mark.parametrize(
+    ("name", "limit"),  # [nautical miles]
+    [("zhao-2019", 0.2), ("zhao-2019", 5.0), ("adis16495-1", 1.0)],
+)
 def test_verdict_is_that_of_the_mission_itself(name, limit):
     """Compare and the budget of the mission judge the same device alike."""
     given = load_device(name)

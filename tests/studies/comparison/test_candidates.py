@@ -8,14 +8,16 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from builders import NOWHERE, line, procedure
-from comparison_examples import (
+from builders import (
     K95,
+    NOWHERE,
     by_name,
     compared,
     device,
+    line,
     only_bias,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose
@@ -45,9 +47,9 @@ def test_remedy_brings_the_worst_output_to_its_limit():
     asked = Question.of(bad, procedure=procedure(), requirement=requirement())
     one, law = asked.held, asked.law
     ends = np.abs(law.interval(0.95)).max(axis=1) / one.limits
-    judged = screen(one, law, seed=0)
+    judged = screen(one, seed=0)
     worst = judged.worst
-    remedy = find_remedy(one, law, judged)
+    remedy = find_remedy(one, judged)
     mended = replace(
         bad.gyro,
         lines=tuple(
@@ -204,10 +206,10 @@ def test_pairs_are_counted_together():
     assert len(found.pairs) == 4
     alone = compared(devices, requirement(sensors=both), method="gum")
     assert alone.pairs == ()
-    own = {one for one in found.pairs if one.gyro == one.accelerometer}
+    own = {one for one in found.pairs if one.name == one.accelerometer}
     assert {replace(one, ahead=None) for one in alone.imus} == own
     for pair in found.pairs:
-        g = by_name(found, pair.gyro)
+        g = by_name(found, pair.name)
         a = by_name(found, pair.accelerometer, "accelerometer")
         p, q = g.conformance.value, a.conformance.value
         error = sqrt(p * q * (1.0 - p * q) / 16_384)  # own sources: the product
@@ -290,7 +292,7 @@ def test_nothing_to_compare_is_an_error():
     [
         ({"method": "linear"}, "allowed: gum, monte-carlo"),
         ({"method": "monte-carlo", "validate": True}, "take --method gum"),
-        ({"trials": 1}, "2 or more"),
+        ({"trials": 1}, "2 to "),
         ({"trials": 200, "max_trials": 100}, "no more than --max-trials"),
         ({"procedures": [procedure(), procedure()]}, "of the same name"),
     ],
@@ -397,7 +399,7 @@ def test_imus_are_ranked_as_one_device():
     gap = paper_device("gap", times=0.1, missing=("bias_repeatability",), **both)
     found = compared([uneven, gap, even, twin], requirement(times=2.0, **both))
 
-    names = [(pair.gyro, rank) for pair, rank in found.ranked_imus]
+    names = [(pair.name, pair.printed_rank) for pair in found.imus]
     assert names == [("even", "1="), ("twin", "1="), ("uneven", "3"), ("gap", "")]
     assert next(one.name for one in found.devices if one.sensor == "gyro") == "uneven"
     pair = found.imus[2]

@@ -7,8 +7,7 @@ from math import prod, sqrt
 
 import numpy as np
 import pytest
-from builders import line, procedure
-from comparison_examples import (
+from builders import (
     CONSTANTS,
     K95,
     SIZES,
@@ -16,8 +15,10 @@ from comparison_examples import (
     by_name,
     compared,
     device,
+    line,
     only_bias,
     paper_device,
+    procedure,
     requirement,
 )
 from numpy.testing import assert_allclose
@@ -309,8 +310,9 @@ def test_more_devices_move_no_number():
     assert alone.conformance == among.conformance
 
 
-def test_a_comparison_keeps_no_problem():
-    """At no time is there more than one Problem: of thousands all would stand."""
+def test_a_comparison_keeps_no_problem(monkeypatch):
+    """Of chunks that are judged no Problem is left: of thousands all would stand."""
+    monkeypatch.setattr("budget.studies.comparison.judging.CHUNK", 1)
     found = []
 
     def count(*_):

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from keeping import catalogue
 from numpy.testing import assert_allclose
-from saying import assert_says
+from places import put
+from reading import assert_says
 
 from budget import analyze, load_device, load_procedure
 from budget.errors import CallError
@@ -24,8 +25,7 @@ RATE = 200.0  # [Hz]
 
 def device(folder, text):
     """Return a device of a file with that text."""
-    path = folder / "imu.yaml"
-    path.write_text(text, encoding="utf-8")
+    path = put(folder / "imu.yaml", text)
     return load_device(path)
 
 
