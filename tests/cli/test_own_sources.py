@@ -544,7 +544,10 @@ BROKEN = {
     "money": ("broken:MONEY", "a formula without '$'"),
     "untold": ("broken:UNTOLD", "its in_use is not told its keys"),
     "keyed": ("broken:KEYED", "its keys are not a tuple of Key"),
-    "needed": ("broken:NEEDED", "it is expected as 'noise', which ties lines of budget"),
+    "needed": (
+        "broken:NEEDED",
+        "it is expected as 'noise', which ties lines",
+    ),
 }
 TRIED_LATER = {"late": "LATE", "unbound": "UNBOUND", "crooked": "CROOKED"}
 
