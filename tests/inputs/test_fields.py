@@ -14,7 +14,7 @@ from budget.inputs import schema
 from budget.inputs.fields import (
     SPAN,
     TEXT,
-    Row,
+    KeyRow,
     Sign,
     check,
     items,
@@ -28,7 +28,7 @@ from budget.inputs.requirement import RequirementFile
 from budget.inputs.schema import json_schema
 from budget.inputs.station import StationFile
 
-NEW = Row(measured("degC", Sign.ANY), "of the cellar below", usual="12 degC")
+NEW = KeyRow(measured("degC", Sign.ANY), "of the cellar below", usual="12 degC")
 KEY = "cellar_temperature"
 
 
@@ -72,12 +72,12 @@ def test_a_new_key_of_a_file_is_one_row(monkeypatch, record, kind, text):
 
 KINDS = table(
     rows={
-        "word": Row(one_of("left", "right", meant={"port": "left"})),
-        "count": Row(number(1, 9)),
-        "part": Row(number(0.0, 1.0, is_whole=False)),
-        "text": Row(TEXT),
-        "span": Row(items(SPAN, SPAN)),
-        "list": Row(items(TEXT, most=2, alone=True)),
+        "word": KeyRow(one_of("left", "right", meant={"port": "left"})),
+        "count": KeyRow(number(1, 9)),
+        "part": KeyRow(number(0.0, 1.0, is_whole=False)),
+        "text": KeyRow(TEXT),
+        "span": KeyRow(items(SPAN, SPAN)),
+        "list": KeyRow(items(TEXT, most=2, alone=True)),
     }
 )
 

@@ -183,10 +183,11 @@ def _noise(known: KnownFigures) -> Figure:
     square, steps = np.zeros(len(AXES)), []
     for line in lines:
         is_of_sample = line.name == SAMPLE_NOISE and line.form != BAND
-        if is_of_sample and known.rate is None:
+        rate = known.rate if is_of_sample else 1.0
+        if rate is None:
             needs = f"--rate HZ, as {known.name(line.name)} counts by the sample"
             raise Missing(needs=needs)
-        square = square + line.u**2 / (known.rate if is_of_sample else 1.0)
+        square = square + line.u**2 / rate
         steps.append(known.origin(line) + ", over sqrt(f)" * is_of_sample)
     value = np.sqrt(square)
     steps.append(f"N = {print_values(value)} {known.unit('/sqrt(Hz)')}, two-sided")
