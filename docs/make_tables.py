@@ -11,6 +11,8 @@ import budget
 from budget.cli import app
 from budget.cli.options import OutputFiles
 from budget.inputs.makers import readings
+from budget.inputs.schema import TABLES as KINDS
+from budget.inputs.specification import SpecificationValue
 from budget.report.schema import results_schema
 from budget.settings import CLI, Asked, Engine, Inputs, rows
 from budget.studies.export.template import LEAVE_OUT, ZERO, keys_of, targets
@@ -94,6 +96,62 @@ def options() -> list[str]:
     ]
 
 
+def files() -> list[str]:
+    """Return a table for each kind of file: every key, what it may be, what it means.
+
+    What a specification value and a range may say docs/files.md has, once for all.
+    """
+    rows: list[str] = []
+    for kind, table in KINDS.items():
+        rows += ["", f"## {kind.capitalize()}", "", "| key | is | absent | meaning |"]
+        rows += ["|---|---|---|---|", *_rows_of(table().tables[0], "")]
+    return [*rows, ""]
+
+
+TOLD = {"range", "variants", "figures", "windows.windows", "segments.segments"}
+
+
+def _rows_of(table: Any, path: str) -> list[str]:  # noqa: ANN401
+    """Return the rows of a mapping and of those in it, but for the same again."""
+    found: list[str] = []
+    # Costs of one line are those of every other.
+    most = 1 if table.title == "costs_by_line" else None
+    for key, row in [*table.rows.items()][:most]:
+        name = f"{path}{key}"
+        inside = row.kind.tables[:1]
+        whole = any(issubclass(one.record, SpecificationValue) for one in inside)
+        is_told = whole or any(name.endswith(end) for end in TOLD)
+        shown = row.usual if isinstance(row.usual, str | int | float) else ""
+        if isinstance(row.usual, tuple):
+            shown = ", ".join(row.usual)
+        absent = "must be given" if row.is_needed else f"`{shown}`" if shown else ""
+        said = row.says.partition("; printed as")[0].replace("|", "\\|")
+        what = "specification value" if whole else _allowed(row.schema({}))
+        found.append(f"| `{name}` | {what} | {absent} | {said} |")
+        for one in () if is_told else inside:
+            is_by_axis = one.title.startswith("by_axis")
+            found += [] if is_by_axis else _rows_of(one, f"{name}.")
+    return found
+
+
+def _allowed(schema: dict[str, Any]) -> str:
+    """Say in a few words what a file may have."""
+    if "anyOf" in schema:
+        return " or ".join(dict.fromkeys(map(_allowed, schema["anyOf"])))
+    if words := schema.get("enum") or [schema[x] for x in ("const",) if x in schema]:
+        return ", ".join(f"`{word}`" for word in words)
+    if "examples" in schema:
+        return f"in {schema['examples'][0].removeprefix('1 ')}"
+    if schema.get("type") == "array":
+        inner = schema.get("items") or schema["prefixItems"][0]
+        return f"list of {_allowed(inner)}"
+    if "minimum" in schema:
+        return f"{schema['minimum']:g} to {schema['maximum']:g}"
+    return {"string": "text", "boolean": "true or false"}.get(
+        schema.get("type", ""), "mapping"
+    )
+
+
 def _name(ref: dict[str, Any]) -> str:
     """Return what a reference leads to."""
     return str(ref["$ref"]).rpartition("/")[2]
@@ -127,6 +185,7 @@ TABLES = {
     "library.md": ("names", names),
     "documents.md": ("keys", keys),
     "commands.md": ("options", options),
+    "keys.md": ("keys of files", files),
 }
 
 

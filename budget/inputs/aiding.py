@@ -13,12 +13,12 @@ from budget.inputs.fields import (
     TEXT,
     TIME,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     by_axis,
     by_name,
     fault,
@@ -71,7 +71,7 @@ EXACTLY = "unset: known exactly"
 _ROUNDING = 1e-9  # of a time, relative
 
 
-def or_word(kind: Kind, words: tuple[str, ...], example: str) -> Kind:
+def or_word(kind: ValueKind, words: tuple[str, ...], example: str) -> ValueKind:
     """Allow, beside a mapping, a word that stands for a whole one."""
 
     def read(node: Node, gravity: float, mapping: Read) -> object:
@@ -98,11 +98,11 @@ class AlignmentPart(Keyed):
 
     rows: ClassVar[Rows] = {
         **{
-            key: Row(measured(like), f"north, east and down each; {EXACTLY}")
+            key: KeyRow(measured(like), f"north, east and down each; {EXACTLY}")
             for key, like in (("position", "m"), ("velocity", "m/s"))
         },
-        "level": Row(measured("deg"), f"each of two tilts; {EXACTLY}"),
-        "heading": Row(measured("deg"), EXACTLY),
+        "level": KeyRow(measured("deg"), f"each of two tilts; {EXACTLY}"),
+        "heading": KeyRow(measured("deg"), EXACTLY),
     }
 
     def _faults(self) -> dict[tuple[str, ...], str]:
@@ -130,11 +130,11 @@ ALIGNMENT = or_word(
 )
 
 
-def size_of(like: str, besides: str = "", **more: Row) -> Kind:
+def size_of(like: str, besides: str = "", **more: KeyRow) -> ValueKind:
     """Return the kind of the size of what is measured, with what it says besides."""
     size = measured(like, Sign.POSITIVE)
-    axes = Row(per_axis(like, AXES, Sign.POSITIVE), "those that differ, 1 sigma")
-    rows = {"value": Row(size), "axes": axes, **more}
+    axes = KeyRow(per_axis(like, AXES, Sign.POSITIVE), "those that differ, 1 sigma")
+    rows = {"value": KeyRow(size), "axes": axes, **more}
     return or_text(table(rows=rows, title=f"size in {like}"), size, besides)
 
 
@@ -142,7 +142,7 @@ class Spanned(Keyed):
     """Something that is there for a while."""
 
     rows: ClassVar[Rows] = {
-        "during": Row(
+        "during": KeyRow(
             items(items(TIME, TIME)),
             "beside a trajectory: begins and ends of when it is there",
         )
@@ -176,7 +176,7 @@ class AidPart(Spanned):
     """Something that is measured at a rate."""
 
     rows: ClassVar[Rows] = {
-        "rate": Row(
+        "rate": KeyRow(
             measured("Hz", Sign.POSITIVE),
             "of its epochs, k/rate from the mission's start",
             is_needed=True,
@@ -188,15 +188,15 @@ class GnssPart(AidPart):
     """Position and velocity from satellites, loosely coupled."""
 
     rows: ClassVar[Rows] = {
-        "position": Row(
-            size_of("m", meaning=Row(meaning("1 sigma", "CEP"))), "white by epoch"
+        "position": KeyRow(
+            size_of("m", meaning=KeyRow(meaning("1 sigma", "CEP"))), "white by epoch"
         ),
-        "velocity": Row(size_of("m/s"), "white by epoch"),
-        "position_drift": Row(
+        "velocity": KeyRow(size_of("m/s"), "white by epoch"),
+        "position_drift": KeyRow(
             size_of(
                 "m",
                 besides="correlation_time: 60 s",
-                correlation_time=Row(measured("s", Sign.POSITIVE)),
+                correlation_time=KeyRow(measured("s", Sign.POSITIVE)),
             ),
             "an error of the position that fades (Gauss-Markov)",
         ),
@@ -237,7 +237,7 @@ _SIMPLE = {
         "m/s",
         "1 sigma of each axis, white by epoch",
         "where the vehicle stands, that it does",
-        {"axes": Row(per_axis("m/s", AXES, Sign.POSITIVE), "those that differ")},
+        {"axes": KeyRow(per_axis("m/s", AXES, Sign.POSITIVE), "those that differ")},
     ),
     "odometer": (
         "m/s",
@@ -252,13 +252,15 @@ class AidingPart(Keyed):
     """What is measured besides; segments or `during` say when."""
 
     rows: ClassVar[Rows] = {
-        "gnss": Row(table(GnssPart), "position and velocity from satellites"),
+        "gnss": KeyRow(table(GnssPart), "position and velocity from satellites"),
         **{
-            key: Row(
+            key: KeyRow(
                 table(
                     AidPart,
                     {
-                        "value": Row(measured(like, Sign.POSITIVE), of, is_needed=True),
+                        "value": KeyRow(
+                            measured(like, Sign.POSITIVE), of, is_needed=True
+                        ),
                         **more,
                     },
                     key,
@@ -311,11 +313,11 @@ class FilterPart(Keyed):
     """A filter of its own: what it estimates, and what it believes otherwise."""
 
     rows: ClassVar[Rows] = {
-        "estimates": Row(
+        "estimates": KeyRow(
             items(TEXT),
             "parameters that are its states, such as gyro.bias; unset: all",
         ),
-        "believes": Row(
+        "believes": KeyRow(
             by_name(TEXT),
             "specifications that it takes for others than they are, as --set "
             "writes them, 1 sigma: 'gyro.angle_random_walk: 0.03 deg/sqrt(h)'",

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 from budget.inputs.fields import (
     OWN,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Sign,
+    ValueKind,
     check,
     format_row,
     measured,
@@ -37,13 +37,13 @@ class CostPart(Keyed):
 
     # The product stays a number for every line that a device may have.
     rows: ClassVar[Rows] = {
-        "a": Row(number(1e-12, 1e12, is_whole=False), "cost at u_ref", usual=1.0),
-        "p": Row(
+        "a": KeyRow(number(1e-12, 1e12, is_whole=False), "cost at u_ref", usual=1.0),
+        "p": KeyRow(
             number(0.01, 10.0, is_whole=False),
             "power with which the cost grows",
             usual=1.0,
         ),
-        "u_ref": Row(OWN, "unset: the value the device has now"),
+        "u_ref": KeyRow(OWN, "unset: the value the device has now"),
     }
 
 
@@ -63,11 +63,11 @@ def _sources() -> dict[Name, Source]:
 
 
 @cache
-def costs_table() -> Kind:
+def costs_table() -> ValueKind:
     """Return the rows of a costs file, made where there is one to be read."""
     units = {name: line.like(name.owner) for name, line in _sources().items()}
     u_ref = CostPart.rows["u_ref"]
-    costs: dict[str, Kind] = {
+    costs: dict[str, ValueKind] = {
         name: table(
             CostPart,
             {"u_ref": replace(u_ref, kind=measured(like, Sign.POSITIVE))},
@@ -79,7 +79,7 @@ def costs_table() -> Kind:
         CostsFile,
         {
             "format": format_row("costs"),
-            "costs": Row(
+            "costs": KeyRow(
                 table(rows=rows_of(costs), title="costs by line"), is_needed=True
             ),
         },

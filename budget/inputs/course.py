@@ -9,12 +9,12 @@ from budget.inputs.aiding import Spanned
 from budget.inputs.fields import (
     TIME,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     fault,
     items,
     measured,
@@ -59,12 +59,12 @@ class KnownCourse:
 
 WARM_UP = table(
     rows={
-        "by": Row(
+        "by": KeyRow(
             TEMPERATURE,
             "how far it is below that of the calibration at the start",
             is_needed=True,
         ),
-        "time": Row(
+        "time": KeyRow(
             measured("s", Sign.POSITIVE),
             "in which it comes as near as 1/e",
             is_needed=True,
@@ -78,15 +78,15 @@ class TemperaturePart(Keyed):
     """A temperature that is known at every time, in place of how far it may be off."""
 
     rows: ClassVar[Rows] = {
-        "reference": Row(
+        "reference": KeyRow(
             TEMPERATURE, "beside a profile: the temperature of the calibration"
         ),
-        "profile": Row(
+        "profile": KeyRow(
             items(items(TIME, TEMPERATURE), most=MOST_POINTS),
             "points of time from the mission's start and temperature, linear "
             "between them and constant beyond",
         ),
-        "warm_up": Row(
+        "warm_up": KeyRow(
             WARM_UP,
             "in place of a profile: it comes to that of the calibration: T - T0 = "
             "-by exp(-t/time)",
@@ -169,7 +169,7 @@ class TemperaturePart(Keyed):
 class VibrationPart(Spanned):
     """A vibration, rms, and when it is there."""
 
-    rows: ClassVar[Rows] = {"value": Row(LEVEL, "rms", is_needed=True)}
+    rows: ClassVar[Rows] = {"value": KeyRow(LEVEL, "rms", is_needed=True)}
 
 
 def stretches(
@@ -194,7 +194,7 @@ def stretches(
     )
 
 
-def or_size(course: Kind, size: Kind, keys: Iterable[str] = ()) -> Kind:
+def or_size(course: ValueKind, size: ValueKind, keys: Iterable[str] = ()) -> ValueKind:
     """Allow, beside a course, a size: a mapping with none of these keys, or a text."""
     known = {*keys}
 

@@ -17,12 +17,12 @@ from budget.inputs.fields import (
     TEXT,
     TRUTH,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     by_axis,
     by_name,
     check,
@@ -90,9 +90,9 @@ TEXTS = ("source", "vendor", "technology", "price", "mass", "power", "notes")
 
 UNUSED = table(
     rows={
-        "name": Row(TEXT, is_needed=True),
-        "value": Row(TEXT, "as printed, with its unit", is_needed=True),
-        **dict.fromkeys(("condition", "meaning", "source"), Row(TEXT, usual="")),
+        "name": KeyRow(TEXT, is_needed=True),
+        "value": KeyRow(TEXT, "as printed, with its unit", is_needed=True),
+        **dict.fromkeys(("condition", "meaning", "source"), KeyRow(TEXT, usual="")),
     },
     title="UnusedEntry",
 )
@@ -172,7 +172,7 @@ class SensorPart(Keyed):
         return found
 
 
-def _sensor(sensor: str) -> Kind:
+def _sensor(sensor: str) -> ValueKind:
     """Return what a file may say of one triad, of the table of model lines."""
     lines = lines_of(sensor)
     nominal = {
@@ -180,21 +180,23 @@ def _sensor(sensor: str) -> Kind:
         "mounting_angle": per_axis("arcsec", ANGLES, Sign.ANY),
     }
     errors = {
-        line.name: Row(value_of(line, sensor), f"{line.model}; {printed_as(line.name)}")
+        line.name: KeyRow(
+            value_of(line, sensor), f"{line.model}; {printed_as(line.name)}"
+        )
         for line in lines
     }
     return table(
         SensorPart,
         {
-            "nominal": Row(
+            "nominal": KeyRow(
                 table(rows=rows_of(nominal), title=f"{sensor} nominal"),
                 "true values that the errors are added to; unset: 0",
             ),
-            "errors": Row(
+            "errors": KeyRow(
                 table(rows=errors, title=f"{sensor} errors"),
                 "the lines of the data sheet",
             ),
-            "range": Row(OF_SENSOR[sensor], IS),
+            "range": KeyRow(OF_SENSOR[sensor], IS),
         },
         sensor,
     )
@@ -204,19 +206,19 @@ class Sheet(Keyed):
     """What a device file says, and what a variant may override."""
 
     rows: ClassVar[Rows] = {
-        "name": Row(TEXT),
-        "source": Row(TEXT, "the document it is from", usual=""),
-        "vendor": Row(TEXT, usual=""),
-        "technology": Row(TEXT, "FOG, RLG, MEMS, ...", usual=""),
-        **dict.fromkeys(("price", "mass", "power"), Row(TEXT, usual="")),
-        "range": Row(RANGES, f"of each sensor, or under it: {IS}"),
-        "notes": Row(LONG_TEXT, usual=""),
-        "gravity_unit": Row(
+        "name": KeyRow(TEXT),
+        "source": KeyRow(TEXT, "the document it is from", usual=""),
+        "vendor": KeyRow(TEXT, usual=""),
+        "technology": KeyRow(TEXT, "FOG, RLG, MEMS, ...", usual=""),
+        **dict.fromkeys(("price", "mass", "power"), KeyRow(TEXT, usual="")),
+        "range": KeyRow(RANGES, f"of each sensor, or under it: {IS}"),
+        "notes": KeyRow(LONG_TEXT, usual=""),
+        "gravity_unit": KeyRow(
             measured("m/s^2", Sign.POSITIVE, bare=True),
             "what g means in this file; unset: 9.80665 m/s^2",
         ),
-        **dict.fromkeys(SENSORS, Row(OWN)),
-        "figures": Row(
+        **dict.fromkeys(SENSORS, KeyRow(OWN)),
+        "figures": KeyRow(
             items(UNUSED),
             "specification values that no model uses, as text",
             usual=(),
@@ -236,8 +238,8 @@ class Base(Sheet):
 
     rows: ClassVar[Rows] = {
         "format": format_row("device"),
-        "name": Row(TEXT, is_needed=True),
-        "abstract": Row(TRUTH, "true: only the variants count", usual=False),
+        "name": KeyRow(TEXT, is_needed=True),
+        "abstract": KeyRow(TRUTH, "true: only the variants count", usual=False),
     }
     rules: ClassVar[Rules] = (
         Rule(
@@ -271,10 +273,10 @@ class Base(Sheet):
 
 
 @cache
-def device_table() -> Kind:
+def device_table() -> ValueKind:
     """Return the rows of a device file, made where there is one to be read."""
-    sensors = {sensor: Row(_sensor(sensor)) for sensor in SENSORS}
-    variants = Row(
+    sensors = {sensor: KeyRow(_sensor(sensor)) for sensor in SENSORS}
+    variants = KeyRow(
         by_name(table(Sheet, sensors, "Variant")),
         "overrides by name, chosen as FILE#NAME",
         usual={},

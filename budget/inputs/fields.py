@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from budget.inputs.tree import Steps, YamlFile
 
 Schema = dict[str, Any]  # a JSON Schema, or a part of one
-Schemas = dict["Table", Schema]  # of mappings
+Schemas = dict["KeyTable", Schema]  # of mappings
 Read = Callable[[Node, float], Any]
 KEY = "[key]"  # last of a way: the key there, not its value
 
@@ -90,7 +90,7 @@ def node_of(value: Any, path: str = "") -> Node:  # noqa: ANN401 - plain values
 
 def check(
     document: YamlFile,
-    kind: Kind,
+    kind: ValueKind,
     *,
     root: Node | None = None,
     gravity: float = STANDARD_GRAVITY,
@@ -129,7 +129,7 @@ def _issue(document: YamlFile, root: Node, one: Fault) -> Issue:
 
 
 @dataclass(frozen=True, eq=False)
-class Kind:
+class ValueKind:
     """One kind of value.
 
     Attributes
@@ -138,7 +138,7 @@ class Kind:
         Returns what a node says, `g` of so much [m/s^2]; raises Faults.
     schema : callable or Schema
         JSON Schema, of those of the mappings in it, to which it may add.
-    tables : tuple of Table
+    tables : tuple of KeyTable
         The mappings that stand right in it.
     allowed : tuple of str
         Words that it may be, where it is one of some.
@@ -148,16 +148,16 @@ class Kind:
 
     read: Read = field(default=lambda *_: None)
     schema: Callable[[Schemas], Schema] | Schema = field(default_factory=dict)
-    tables: tuple[Table, ...] = ()
+    tables: tuple[KeyTable, ...] = ()
     allowed: tuple[str, ...] = ()
-    beside: Callable[[Node], Kind] | None = None
+    beside: Callable[[Node], ValueKind] | None = None
 
     def described(self, tables: Schemas) -> Schema:
         """Return the JSON Schema; those of mappings go to `tables`, by their names."""
         return self.schema(tables) if callable(self.schema) else self.schema
 
 
-OWN = Kind()  # that each of several types has
+OWN = ValueKind()  # that each of several types has
 
 
 class Sign(Enum):
@@ -175,7 +175,7 @@ def measured(
     *,
     bare: bool = False,
     both: bool = False,
-) -> Kind:
+) -> ValueKind:
     """Return the kind of a text with a number and a unit, read into a Quantity.
 
     Parameters
@@ -208,7 +208,7 @@ def measured(
             raise fault(f"found {value!r}, expected {kind.name} that is {sign.value}")
         return quantity
 
-    return Kind(
+    return ValueKind(
         read,
         {
             "type": "string",
@@ -226,7 +226,7 @@ ANGLE = measured("deg", Sign.ANY)
 
 def one_of(
     *allowed: str, meant: Mapping[str, str] | None = None, hint: str = ""
-) -> Kind:
+) -> ValueKind:
     """Return the kind of some words, in any capitals, or other spellings of them.
 
     The hint stands after what is expected.
@@ -246,15 +246,17 @@ def one_of(
 
     every = [*dict.fromkeys((*allowed, *other))]
     choice = {"enum": every} if allowed[1:] else {"const": every[0]}
-    return Kind(read, {"type": "string", **choice}, allowed=allowed)
+    return ValueKind(read, {"type": "string", **choice}, allowed=allowed)
 
 
-def meaning(*allowed: str, meant: Mapping[str, str] | None = None) -> Kind:
+def meaning(*allowed: str, meant: Mapping[str, str] | None = None) -> ValueKind:
     """Return the kind of what a value may mean, of which a page tells."""
     return one_of(*allowed, meant=meant, hint=f"; what makers mean: {MEANINGS}")
 
 
-def number(least: float = -inf, most: float = inf, *, is_whole: bool = True) -> Kind:
+def number(
+    least: float = -inf, most: float = inf, *, is_whole: bool = True
+) -> ValueKind:
     """Return the kind of a number without a unit, within bounds; or a whole one."""
     like = "a whole number, such as 1" if is_whole else "a number, such as 1.5"
 
@@ -274,7 +276,7 @@ def number(least: float = -inf, most: float = inf, *, is_whole: bool = True) -> 
         return int(value) if is_whole else float(value)
 
     bounds = {"minimum": least, "maximum": most}
-    return Kind(
+    return ValueKind(
         read,
         {
             "type": "integer" if is_whole else "number",
@@ -290,10 +292,10 @@ def _read_truth(node: Node, _: float) -> bool:
     return node.value
 
 
-TRUTH = Kind(_read_truth, {"type": "boolean"})
+TRUTH = ValueKind(_read_truth, {"type": "boolean"})
 
 
-def text(most: int, *wrong: tuple[Callable[[str], object], str]) -> Kind:
+def text(most: int, *wrong: tuple[Callable[[str], object], str]) -> ValueKind:
     """Return the kind of a text of so many characters; what is wrong, and its words."""
 
     def read(node: Node, _: float) -> str:
@@ -307,7 +309,7 @@ def text(most: int, *wrong: tuple[Callable[[str], object], str]) -> Kind:
                 raise fault(says)
         return value
 
-    return Kind(read, {"type": "string", "maxLength": most})
+    return ValueKind(read, {"type": "string", "maxLength": most})
 
 
 _BROKEN = re.compile(r"[\t\n\r]").search, "has a tab or a line break, expected one line"
@@ -316,18 +318,18 @@ TEXT, LONG_TEXT = text(200, _BROKEN, _BLANK), text(4000, _BLANK)
 
 
 def items(
-    *kinds: Kind,
+    *kinds: ValueKind,
     least: int = 0,
     most: int | None = None,
     alone: bool = False,
     lacks: tuple[str, ...] = (),
     many: str = "",
-) -> Kind:
+) -> ValueKind:
     """Return the kind of a list of values of one kind; of several, one of each.
 
     Parameters
     ----------
-    *kinds : Kind
+    *kinds : ValueKind
     least, most : int
         How many; None: any number.
     alone : bool
@@ -380,10 +382,10 @@ def items(
         }
         return {"anyOf": [every[0], of_list]} if alone else of_list
 
-    return Kind(read, schema, tables)
+    return ValueKind(read, schema, tables)
 
 
-def by_name(kind: Kind, name: Kind = TEXT) -> Kind:
+def by_name(kind: ValueKind, name: ValueKind = TEXT) -> ValueKind:
     """Return the kind of a mapping of the user's names, each to a value of one kind."""
 
     def read(node: Node, gravity: float) -> dict[str, Any]:
@@ -398,7 +400,7 @@ def by_name(kind: Kind, name: Kind = TEXT) -> Kind:
         each = ((key, kind, one) for key, one in node.value.items())
         return _read_all(each, gravity, *wrong)
 
-    return Kind(
+    return ValueKind(
         read,
         lambda tables: {
             "type": "object",
@@ -410,7 +412,7 @@ def by_name(kind: Kind, name: Kind = TEXT) -> Kind:
 
 
 def _read_all(
-    nodes: Iterable[tuple[Any, Kind, Node]], gravity: float, *wrong: Fault
+    nodes: Iterable[tuple[Any, ValueKind, Node]], gravity: float, *wrong: Fault
 ) -> dict[Any, Any]:
     """Read the values in a list or a mapping; raises what is wrong with all of them."""
     found, every = {}, [*wrong]
@@ -425,8 +427,10 @@ def _read_all(
 
 
 def or_else(
-    kind: Kind, read: Callable[[Node, float, Read], Any], *others: Kind | Schema
-) -> Kind:
+    kind: ValueKind,
+    read: Callable[[Node, float, Read], Any],
+    *others: ValueKind | Schema,
+) -> ValueKind:
     """Return a kind of value with what a file may write in its place.
 
     It is read of a node, of gravity and of what reads the kind; `others`, for the JSON
@@ -435,7 +439,7 @@ def or_else(
 
     def schema(tables: Schemas) -> Schema:
         every = [
-            one.described(tables) if isinstance(one, Kind) else one
+            one.described(tables) if isinstance(one, ValueKind) else one
             for one in (*others, kind)
         ]
         return {"anyOf": every} if others else every[0]
@@ -445,7 +449,7 @@ def or_else(
     )
 
 
-def or_text(mapping: Kind, size: Kind, besides: str = "") -> Kind:
+def or_text(mapping: ValueKind, size: ValueKind, besides: str = "") -> ValueKind:
     """Allow, beside a mapping, a text that says one quantity for all of it.
 
     Where it has to say more besides, the text is read to say what is wrong with it.
@@ -471,12 +475,12 @@ def given_of(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class KeyRow:
     """One key that a mapping may have.
 
     Attributes
     ----------
-    kind : Kind
+    kind : ValueKind
         Of its value.
     says : str
         What it means; of what stands for it where the file has none, too.
@@ -486,7 +490,7 @@ class Row:
         Whether it must be there.
     """
 
-    kind: Kind
+    kind: ValueKind
     says: str = ""
     usual: object = None
     is_needed: bool = False
@@ -506,17 +510,19 @@ class Row:
         return found | given_of({"description": self.says or None, "default": shown})
 
 
-Rows = Mapping[str, Row]
+Rows = Mapping[str, KeyRow]
 
 
-def rows_of(kinds: Mapping[str, Kind], says: Mapping[str, str] | None = None) -> Rows:
+def rows_of(
+    kinds: Mapping[str, ValueKind], says: Mapping[str, str] | None = None
+) -> Rows:
     """Return rows of keys that may all be left out."""
-    return {key: Row(kind, (says or {}).get(key, "")) for key, kind in kinds.items()}
+    return {key: KeyRow(kind, (says or {}).get(key, "")) for key, kind in kinds.items()}
 
 
-def format_row(kind: str) -> Row:
+def format_row(kind: str) -> KeyRow:
     """Return the row of the key that says which version of a file it is."""
-    return Row(one_of(f"budget-{kind}/1"), usual=f"budget-{kind}/1")
+    return KeyRow(one_of(f"budget-{kind}/1"), usual=f"budget-{kind}/1")
 
 
 @dataclass(frozen=True)
@@ -626,7 +632,7 @@ def _rows(base: type) -> Rows:
     return base.rows if issubclass(base, Keyed) else {}
 
 
-class Table:
+class KeyTable:
     """A mapping of one type; of other rows than its type has where they are given."""
 
     def __init__(
@@ -697,10 +703,10 @@ class Table:
         return {"$ref": f"#/$defs/{tables[self]['title']}"}
 
 
-def table(record: type = Keyed, rows: Rows | None = None, title: str = "") -> Kind:
-    """Return the kind of a mapping; as of Table."""
-    own = Table(record, rows, title)
-    return Kind(own.read, own.schema, (own,))
+def table(record: type = Keyed, rows: Rows | None = None, title: str = "") -> ValueKind:
+    """Return the kind of a mapping; as of KeyTable."""
+    own = KeyTable(record, rows, title)
+    return ValueKind(own.read, own.schema, (own,))
 
 
 class FieldGroup(Keyed):
@@ -760,7 +766,7 @@ def not_rising(
 
 
 @cache
-def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> Kind:
+def per_axis(like: str, axes: tuple[str, ...], sign: Sign) -> ValueKind:
     """Return the kind of one quantity for all axes, or of a mapping of axes."""
     size = measured(like, sign)
     rows = rows_of(dict.fromkeys(axes, size))

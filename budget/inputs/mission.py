@@ -30,12 +30,12 @@ from budget.inputs.fields import (
     TEXT,
     FieldGroup,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     check,
     faults,
     format_row,
@@ -121,7 +121,7 @@ CLIMB_RATE = measured("m/s", Sign.ANY)
 
 
 # A velocity beside a climb, an angular rate beside anything else.
-RATE = Kind(
+RATE = ValueKind(
     schema={"anyOf": [TURN_RATE.schema, CLIMB_RATE.schema]},
     beside=lambda node: (
         CLIMB_RATE if node.child("climb") and not node.child("turn") else TURN_RATE
@@ -133,28 +133,30 @@ class SegmentLine(Keyed):
     """What a level vehicle does for a while."""
 
     rows: ClassVar[Rows] = {
-        "stand": Row(SPAN, "how long it stands still"),
-        "straight": Row(SPAN, "how long it goes on as it does"),
-        "turn": Row(ANGLE, "of the heading; positive to the right, as headings"),
-        "climb": Row(SPAN, "how long it climbs or sinks"),
-        "accelerate": Row(SPAN, "how long its speed changes, evenly"),
-        "speed": Row(
+        "stand": KeyRow(SPAN, "how long it stands still"),
+        "straight": KeyRow(SPAN, "how long it goes on as it does"),
+        "turn": KeyRow(ANGLE, "of the heading; positive to the right, as headings"),
+        "climb": KeyRow(SPAN, "how long it climbs or sinks"),
+        "accelerate": KeyRow(SPAN, "how long its speed changes, evenly"),
+        "speed": KeyRow(
             SPEED,
             "beside straight: of the first segment how fast the mission "
             "begins, of others the speed that is reached by then",
         ),
-        "heading": Row(ANGLE, "beside straight: likewise, from north to east"),
-        "rate": Row(RATE, "beside turn: deg/s; beside climb: m/s, upwards"),
-        "bank": Row(
+        "heading": KeyRow(ANGLE, "beside straight: likewise, from north to east"),
+        "rate": KeyRow(RATE, "beside turn: deg/s; beside climb: m/s, upwards"),
+        "bank": KeyRow(
             one_of("level", COORDINATED),
             "beside turn: level (unset), or coordinated, which leans so far "
             "that nothing pulls aside",
         ),
-        "roll_rate": Row(TURN_RATE, "beside bank: at which it is entered and left"),
-        "to": Row(SPEED, "beside accelerate: the speed at its end"),
-        "repeat": Row(number(1, MOST_SEGMENTS), "times one after the other", usual=1),
-        "aiding": Row(AIDS, "what is measured meanwhile, of mission.aiding"),
-        "vibration": Row(LEVEL, "meanwhile, rms; elsewhere that of environment"),
+        "roll_rate": KeyRow(TURN_RATE, "beside bank: at which it is entered and left"),
+        "to": KeyRow(SPEED, "beside accelerate: the speed at its end"),
+        "repeat": KeyRow(
+            number(1, MOST_SEGMENTS), "times one after the other", usual=1
+        ),
+        "aiding": KeyRow(AIDS, "what is measured meanwhile, of mission.aiding"),
+        "vibration": KeyRow(LEVEL, "meanwhile, rms; elsewhere that of environment"),
     }
     rules: ClassVar[Rules] = (
         Rule(
@@ -310,7 +312,9 @@ class SegmentItem(FieldGroup, SegmentLine):
     key = "segments"
     of_all = MEANWHILE
     rows: ClassVar[Rows] = {
-        key: Row(items(table(SegmentLine)), "a group; repeat beside it is of the whole")
+        key: KeyRow(
+            items(table(SegmentLine)), "a group; repeat beside it is of the whole"
+        )
     }
 
     def _faults(self) -> Faults:
@@ -346,53 +350,55 @@ class MissionPart(Keyed):
     """Where the unit is when it navigates by itself, and how that begins."""
 
     rows: ClassVar[Rows] = {
-        "latitude": Row(ANGLE, "geodetic, of the start"),
-        "longitude": Row(
+        "latitude": KeyRow(ANGLE, "geodetic, of the start"),
+        "longitude": KeyRow(
             ANGLE,
             "of the start; no error depends on it, the line of the route shows it",
         ),
-        "height": Row(
+        "height": KeyRow(
             measured("m", Sign.ANY, bare=True),
             "of the start, above the ellipsoid; unset: 0 m",
         ),
-        "speed": Row(
+        "speed": KeyRow(
             SPEED,
             "of the start, forward; unset: that of a first segment straight, else 0 "
             "m/s",
         ),
-        "heading": Row(
+        "heading": KeyRow(
             ANGLE,
             "of the start, from north to east; unset: that of a first segment "
             "straight, else 0 deg",
         ),
-        "alignment": Row(
+        "alignment": KeyRow(
             ALIGNMENT,
             "what is known when it begins: perfect (unset), all; self: what "
             "the unit finds of level and north, standing; or how well, 1 sigma",
         ),
-        "alignment_time": Row(SPAN, "beside alignment self: how long it stands before"),
-        "altitude": Row(
+        "alignment_time": KeyRow(
+            SPAN, "beside alignment self: how long it stands before"
+        ),
+        "altitude": KeyRow(
             one_of(AIDED, FREE),
             "aided (unset): height and vertical velocity are known all the "
             "time; free: by the accelerometers alone",
         ),
-        "aiding": Row(
+        "aiding": KeyRow(
             table(AidingPart), "what is measured besides, of segments that name it"
         ),
-        "filter": Row(
+        "filter": KeyRow(
             FILTER,
             "beside aiding: optimal (unset), which believes what is true; or "
             "what it estimates and believes",
         ),
-        "segments": Row(
+        "segments": KeyRow(
             items(table(SegmentItem)), "what the vehicle does, one after the other"
         ),
-        "trajectory": Row(
+        "trajectory": KeyRow(
             TEXT,
             "a recording in place of place, start and segments: a CSV file beside "
             "this one",
         ),
-        "at": Row(
+        "at": KeyRow(
             items(SPAN),
             "times from the start that are asked for, rising; unset: 10 s, 60 "
             "s, 600 s, 3600 s that lie within, and the end",
@@ -671,8 +677,8 @@ class MissionFile(Keyed):
 
     rows: ClassVar[Rows] = {
         "format": format_row("mission"),
-        "name": Row(TEXT, "unset: the file's name"),
-        "mission": Row(
+        "name": KeyRow(TEXT, "unset: the file's name"),
+        "mission": KeyRow(
             table(MissionPart),
             "place, alignment, what the vehicle does",
             is_needed=True,

@@ -13,12 +13,12 @@ from budget.inputs.fields import (
     TEXT,
     TIME,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     check,
     fault,
     format_row,
@@ -106,23 +106,23 @@ class GyroTest(Keyed):
     """Rate turns, then a static test at several azimuths or in twelve positions."""
 
     rows: ClassVar[Rows] = {  # what stands for a key is the paper's
-        "rate": Row(
+        "rate": KeyRow(
             measured("deg/s", Sign.POSITIVE),
             "turntable rate of the turns",
             usual="20 deg/s",
         ),
-        "turns": Row(
+        "turns": KeyRow(
             number(1, 1_000_000),
             "whole turns, so that the earth rate averages out",
             usual=1,
         ),
-        "order": Row(
+        "order": KeyRow(
             items(one_of(*AXES)),
             "axes in the order they are turned about",
             usual=("z", "x", "y"),
         ),
-        "pause": Row(TIME, "between all windows", usual="0 s"),
-        AZIMUTHS: Row(
+        "pause": KeyRow(TIME, "between all windows", usual="0 s"),
+        AZIMUTHS: KeyRow(
             items(
                 ANGLE,
                 most=MOST_AZIMUTHS,
@@ -131,8 +131,8 @@ class GyroTest(Keyed):
             "of the static test",
             usual=("0 deg", "180 deg", "270 deg", "450 deg"),
         ),
-        "dwell": Row(SPAN, "at each azimuth", usual="300 s"),
-        "bias": Row(
+        "dwell": KeyRow(SPAN, "at each azimuth", usual="300 s"),
+        "bias": KeyRow(
             one_of(AZIMUTHS, "twelve_positions"),
             "where it is read: at the azimuths, or in the dwells of the "
             "accelerometers, each axis up and down, so that no knowledge of the earth "
@@ -172,8 +172,8 @@ class AccelerometerTest(Keyed):
     """The twelve-position static test."""
 
     rows: ClassVar[Rows] = {
-        "dwell": Row(SPAN, "at each position", usual="300 s"),
-        "pause": Row(TIME, "between all windows", usual="0 s"),
+        "dwell": KeyRow(SPAN, "at each position", usual="300 s"),
+        "pause": KeyRow(TIME, "between all windows", usual="0 s"),
     }
 
 
@@ -205,7 +205,7 @@ def _estimated(node: Node, gravity: float, read: Any) -> object:  # noqa: ANN401
     return read(node, gravity)
 
 
-def _estimable(*more: str) -> Kind:
+def _estimable(*more: str) -> ValueKind:
     """Return the kind of what is estimated of one sensor, more than of both."""
     words = items(one_of(*PARAMETER_WORDS, *more))
     return or_else(words, _estimated, {"const": ALL})
@@ -215,12 +215,12 @@ class Estimate(Keyed):
     """What the estimator finds; all else is held at the device's nominal values."""
 
     rows: ClassVar[Rows] = {
-        "gyro": Row(
+        "gyro": KeyRow(
             _estimable(),
             "all, or such as [scale_factor, bias]",
             usual=tuple(PARAMETERS),
         ),
-        "accelerometer": Row(
+        "accelerometer": KeyRow(
             _estimable(*HIGHER),
             "all, or as [bias, mounting_angle.xy]; "
             "second_order and third_order besides",
@@ -248,9 +248,9 @@ class ProcedureFile(Keyed):
 
     rows: ClassVar[Rows] = {
         "format": format_row("procedure"),
-        "name": Row(TEXT, "unset: the file's name"),
-        "latitude": Row(ANGLE, "geodetic", usual="34.2394 deg"),
-        "gravity": Row(
+        "name": KeyRow(TEXT, "unset: the file's name"),
+        "latitude": KeyRow(ANGLE, "geodetic", usual="34.2394 deg"),
+        "gravity": KeyRow(
             or_else(
                 measured("m/s^2", Sign.POSITIVE, bare=True),
                 _read_gravity,
@@ -259,55 +259,55 @@ class ProcedureFile(Keyed):
             "at the place; normal: WGS 84 at that latitude",
             usual=NORMAL,
         ),
-        "height": Row(
+        "height": KeyRow(
             measured("m", Sign.ANY, bare=True),
             "above the ellipsoid, for normal gravity; unset: 0 m",
         ),
-        "sample_rate": Row(
+        "sample_rate": KeyRow(
             measured("Hz", Sign.POSITIVE, bare=True),
             "of the sensor outputs",
             usual="100 Hz",
         ),
-        "estimator": Row(
+        "estimator": KeyRow(
             one_of(PAPER, *OF_WINDOWS),
             "; ".join(
                 f"{name}: {says}" for name, says in (("paper", "its formulas"), *SAYS)
             )
             + ". Unset: paper, or least_squares where there are windows",
         ),
-        "estimate": Row(
+        "estimate": KeyRow(
             table(Estimate),
             "parameters that are found; unset: all. The others are held at "
             "the device's nominal values, and what they truly are is an error source",
         ),
-        "windows": Row(
+        "windows": KeyRow(
             items(table(WindowItem)),
             "dwells and turns, in place of the tests of gyro and accelerometer",
         ),
-        "pause": Row(TIME, "between all windows; unset: 0 s"),
-        "flip_axis": Row(
+        "pause": KeyRow(TIME, "between all windows; unset: 0 s"),
+        "flip_axis": KeyRow(
             one_of("inner", "middle"),
             "axis of the table that z comes down by",
             usual="inner",
         ),
-        "moves": Row(
+        "moves": KeyRow(
             measured("deg/s", Sign.POSITIVE),
             "of the estimator norm: rate at which the unit is turned from one dwell to "
             "the next, one axis after the other, while the gyro is read, which is "
             "calibrated so; unset: accelerometers alone",
         ),
-        "formulas": Row(
+        "formulas": KeyRow(
             one_of("corrected", PAPER),
             "of the gyro bias: corrected, or as the paper prints them",
             usual="corrected",
         ),
-        "gyro": Row(table(GyroTest), usual={}),
-        "accelerometer": Row(table(AccelerometerTest), usual={}),
-        STATION: Row(
+        "gyro": KeyRow(table(GyroTest), usual={}),
+        "accelerometer": KeyRow(table(AccelerometerTest), usual={}),
+        STATION: KeyRow(
             OR_FILE,
             "uncertainties of table and place, or the file of a station; unset: none",
         ),
-        ENVIRONMENT: Row(
+        ENVIRONMENT: KeyRow(
             surroundings(ENVIRONMENT),
             "what changes during the calibration, and that of the use; unset: "
             "nothing in the calibration, and of the use nothing is stated; none: "

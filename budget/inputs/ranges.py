@@ -11,7 +11,7 @@ from budget.inputs.fields import (
     TEXT,
     Faults,
     Keyed,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
@@ -41,9 +41,9 @@ class RangeValue(Keyed):
     """What a file may say of the range of one triad, besides a text."""
 
     rows: ClassVar[Rows] = {
-        **dict.fromkeys(("value", *AXES), Row(MEASURED[GYRO])),
-        "options": Row(TEXT, "ranges that it can be ordered or set to, as printed"),
-        "condition": Row(TEXT, "the maker's other words"),
+        **dict.fromkeys(("value", *AXES), KeyRow(MEASURED[GYRO])),
+        "options": KeyRow(TEXT, "ranges that it can be ordered or set to, as printed"),
+        "condition": KeyRow(TEXT, "the maker's other words"),
     }
     rules: ClassVar[Rules] = (
         Rule(

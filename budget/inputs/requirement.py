@@ -9,12 +9,12 @@ from budget.distributions import COVERAGES, is_coverage
 from budget.inputs.fields import (
     TEXT,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     by_axis,
     check,
     format_row,
@@ -57,7 +57,7 @@ MOST_LIMITS = 20  # on one quantity of a mission
 
 
 # What the device may cost; held against its own; they decide no verdict.
-CAPS = table(rows=dict.fromkeys(("price", "mass", "power"), Row(TEXT)), title="Caps")
+CAPS = table(rows=dict.fromkeys(("price", "mass", "power"), KeyRow(TEXT)), title="Caps")
 
 
 def _is_none(share: Quantity | None) -> bool:
@@ -69,11 +69,11 @@ class AtTime(Keyed):
     """A limit at a time of a mission."""
 
     rows: ClassVar[Rows] = {
-        "at": Row(
+        "at": KeyRow(
             measured("s", Sign.POSITIVE), "since the mission began", is_needed=True
         ),
-        "probability": Row(COVER, "of the error to be within; unset: the coverage"),
-        "interpretation": Row(
+        "probability": KeyRow(COVER, "of the error to be within; unset: the coverage"),
+        "interpretation": KeyRow(
             one_of("ensemble"),
             "of the probability: over units, turn-ons and noise, at that time",
         ),
@@ -103,7 +103,7 @@ class AtTime(Keyed):
         return {key: own[key] for key in own if key not in AtTime.rows}
 
 
-def _several(title: str, like: str, keys: Sequence[str]) -> Kind:
+def _several(title: str, like: str, keys: Sequence[str]) -> ValueKind:
     """Return the kind of limits at several times, one of which may stand alone."""
     limits = rows_of(dict.fromkeys(keys, measured(like, Sign.POSITIVE)))
     return items(
@@ -151,11 +151,11 @@ def _limits_on(owner: str) -> Rows:
 LIMITS = table(
     rows={
         **{
-            sensor: Row(table(rows=_limits_on(sensor), title=f"{sensor} limits"))
+            sensor: KeyRow(table(rows=_limits_on(sensor), title=f"{sensor} limits"))
             for sensor in SENSORS
         },
         **_limits_on(IMU),
-        MISSION: Row(ON_MISSION),
+        MISSION: KeyRow(ON_MISSION),
     },
     title="limits",
 )
@@ -166,21 +166,21 @@ class RequirementFile(Keyed):
 
     rows: ClassVar[Rows] = {
         "format": format_row("requirement"),
-        "name": Row(TEXT, is_needed=True),
-        "coverage": Row(COVER, f"of the intervals; unset: {COVERAGE}"),
-        "reference": Row(
+        "name": KeyRow(TEXT, is_needed=True),
+        "coverage": KeyRow(COVER, f"of the intervals; unset: {COVERAGE}"),
+        "reference": KeyRow(
             one_of("nominal", "as_tested", "next_turn_on"),
             f"error reference, what errors are counted from; unset: {REFERENCE}",
         ),
-        "limits": Row(LIMITS, "largest absolute errors allowed", is_needed=True),
+        "limits": KeyRow(LIMITS, "largest absolute errors allowed", is_needed=True),
         "environment": ENVIRONMENT_ROW,
         "age": AGE_ROW,
-        "decision": Row(
+        "decision": KeyRow(
             one_of(EACH, JOINT),
             "each (unset): every limit alone, at its coverage; joint: all of "
             "them together, at the coverage of the requirement",
         ),
-        "caps": Row(CAPS, usual={}),
+        "caps": KeyRow(CAPS, usual={}),
     }
     rules: ClassVar[Rules] = (
         Rule(

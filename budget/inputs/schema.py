@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import CallError
 from budget.inputs.costs import costs_table
 from budget.inputs.device import device_table
-from budget.inputs.fields import Kind, Schemas, table
+from budget.inputs.fields import Schemas, ValueKind, table
 from budget.inputs.mission import MissionFile
 from budget.inputs.procedure import ProcedureFile
 from budget.inputs.requirement import RequirementFile
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
-TABLES: dict[str, Callable[[], Kind]] = {
+TABLES: dict[str, Callable[[], ValueKind]] = {
     "device": device_table,
     "procedure": lambda: table(ProcedureFile),
     "station": lambda: table(StationFile),
@@ -44,7 +44,7 @@ def json_schema(kind: str) -> dict[str, Any]:
     return schema_of(TABLES[kind](), f"budget {kind} file")
 
 
-def schema_of(kind: Kind, title: str) -> dict[str, Any]:
+def schema_of(kind: ValueKind, title: str) -> dict[str, Any]:
     """Return the JSON Schema of the rows of a file, under a title."""
     tables: Schemas = {}
     kind.described(tables)

@@ -17,12 +17,12 @@ from budget.inputs.fields import (
     OWN,
     TEXT,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
     Sign,
+    ValueKind,
     given_of,
     items,
     meaning,
@@ -143,17 +143,17 @@ class SpecificationValue(Keyed):
     besides: ClassVar[str] = ""
 
     rows: ClassVar[Rows] = {  # value and distribution: of its own kind, below
-        "value": Row(OWN),
-        "meaning": Row(
+        "value": KeyRow(OWN),
+        "meaning": KeyRow(
             meaning(*SIGMAS, *HALF_WIDTHS, EXACT, meant=MEANINGS),
             "what the maker means by the value; exact: by a 0 that is meant",
             usual="1 sigma",
         ),
-        "distribution": Row(OWN),
-        "includes": Row(TEXT, "what the value contains"),
-        "horizon": Row(TEXT, "over what time it is given"),
-        "condition": Row(TEXT, "under what condition"),
-        "source": Row(TEXT, "where it is printed"),
+        "distribution": KeyRow(OWN),
+        "includes": KeyRow(TEXT, "what the value contains"),
+        "horizon": KeyRow(TEXT, "over what time it is given"),
+        "condition": KeyRow(TEXT, "under what condition"),
+        "source": KeyRow(TEXT, "where it is printed"),
     }
     rules: ClassVar[Rules] = (
         Rule(
@@ -201,7 +201,7 @@ class ConstantValue(SpecificationValue):
     """Specification value of a random constant."""
 
     rows: ClassVar[Rows] = {
-        "distribution": Row(
+        "distribution": KeyRow(
             one_of("normal", "uniform", "triangular", "arcsine", meant=SHAPES),
             "shape; unset: normal for a sigma, uniform for a half-width",
         )
@@ -235,16 +235,16 @@ class NonlinearityValue(ConstantValue):
 
     of_axis = ConstantValue
     of_sensor: ClassVar[Mapping[str, Rows]] = {
-        GYRO: {"full_scale": Row(measured("deg/s", Sign.POSITIVE), _HALF)},
-        ACCELEROMETER: {"full_scale": Row(measured("g", Sign.POSITIVE), _HALF)},
+        GYRO: {"full_scale": KeyRow(measured("deg/s", Sign.POSITIVE), _HALF)},
+        ACCELEROMETER: {"full_scale": KeyRow(measured("g", Sign.POSITIVE), _HALF)},
     }
     rows: ClassVar[Rows] = {
-        "full_scale": Row(OWN),
-        "line": Row(
+        "full_scale": KeyRow(OWN),
+        "line": KeyRow(
             one_of("best", "least_squares"),
             "what the largest deviation is from; unset, with full_scale: best",
         ),
-        "shape": Row(
+        "shape": KeyRow(
             one_of("cubic", "quadratic"),
             "of the curve; unset, with full_scale: cubic",
         ),
@@ -289,8 +289,8 @@ class AsymmetryValue(ConstantValue):
 
     of_axis = ConstantValue
     of_sensor: ClassVar[Mapping[str, Rows]] = {
-        GYRO: {"sign_of": Row(one_of("turn", "input"), _WHOSE, usual="turn")},
-        ACCELEROMETER: {"sign_of": Row(one_of("input"), _WHOSE, usual="input")},
+        GYRO: {"sign_of": KeyRow(one_of("turn", "input"), _WHOSE, usual="turn")},
+        ACCELEROMETER: {"sign_of": KeyRow(one_of("input"), _WHOSE, usual="input")},
     }
 
     def form(self, _: str) -> Form:
@@ -308,8 +308,8 @@ class Earlier(Keyed):
     """What a maker prints of the same parameter for a shorter horizon."""
 
     rows: ClassVar[Rows] = {
-        "value": Row(OWN, is_needed=True),
-        "horizon": Row(
+        "value": KeyRow(OWN, is_needed=True),
+        "horizon": KeyRow(
             POSITIVE_TIME, "time after which it has gone that far", is_needed=True
         ),
     }
@@ -322,14 +322,14 @@ class AgeingValue(ConstantValue):
     besides = "horizon: 1 year"
 
     rows: ClassVar[Rows] = {
-        "horizon": Row(
+        "horizon": KeyRow(
             POSITIVE_TIME, "time after which it has gone that far", is_needed=True
         ),
-        "law": Row(
+        "law": KeyRow(
             one_of("drift", "random_walk"),
             "of other times; unset: what gives the larger value",
         ),
-        "earlier": Row(
+        "earlier": KeyRow(
             items(OWN), "what is printed for shorter horizons, of all axes", usual=()
         ),
     }
@@ -388,7 +388,7 @@ class ProcessValue(SpecificationValue):
     """Specification value of a random process."""
 
     rows: ClassVar[Rows] = {
-        "distribution": Row(one_of("normal", meant=GAUSSIAN), "a process is normal")
+        "distribution": KeyRow(one_of("normal", meant=GAUSSIAN), "a process is normal")
     }
 
 
@@ -396,10 +396,10 @@ class Filter(Keyed):
     """Butterworth filter that noise has passed; of order 1 a simple pole."""
 
     rows: ClassVar[Rows] = {
-        "corner": Row(
+        "corner": KeyRow(
             FREQUENCY, "where it lets half of the power pass", is_needed=True
         ),
-        "order": Row(number(1, 20), "number of its poles", is_needed=True),
+        "order": KeyRow(number(1, 20), "number of its poles", is_needed=True),
     }
 
 
@@ -408,7 +408,7 @@ class SampleNoiseValue(ProcessValue):
 
     of_axis = ProcessValue
     rows: ClassVar[Rows] = {
-        "bandwidth": Row(
+        "bandwidth": KeyRow(
             or_text(table(Filter), FREQUENCY),
             "noise bandwidth B of an rms, N = rms/sqrt(2 B); unset: of samples",
         )
@@ -442,7 +442,7 @@ class WalkValue(ProcessValue):
     """Value of a random walk, as its coefficient N or as a density of noise."""
 
     rows: ClassVar[Rows] = {
-        "density": Row(
+        "density": KeyRow(
             one_of(*SIDES),
             "of a value per root of hertz; unset: open, the larger N = D taken",
         )
@@ -472,16 +472,16 @@ class StabilityValue(ProcessValue):
     """Specification value of the bias stability."""
 
     rows: ClassVar[Rows] = {
-        "definition": Row(
+        "definition": KeyRow(
             one_of("sigma", FLOOR),
             "sigma of the process, or the lowest point of the Allan curve",
             usual="sigma",
         ),
-        "correlation_time": Row(
+        "correlation_time": KeyRow(
             POSITIVE_TIME,
             "of the process; unset: 300 s of a sigma, none of a flicker",
         ),
-        "averaging_time": Row(POSITIVE_TIME, "at which the Allan curve is lowest"),
+        "averaging_time": KeyRow(POSITIVE_TIME, "at which the Allan curve is lowest"),
     }
     rules: ClassVar[Rules] = (
         Rule(
@@ -555,12 +555,12 @@ class FlickerValue(ProcessValue):
 
     of_axis = ProcessValue
     rows: ClassVar[Rows] = {
-        "definition": Row(
+        "definition": KeyRow(
             one_of("coefficient", FLOOR),
             "B itself, or the lowest point of the Allan curve, 0.664 B",
             usual="coefficient",
         ),
-        "low_cut": Row(FREQUENCY, "below which it has no power; unset: once a day"),
+        "low_cut": KeyRow(FREQUENCY, "below which it has no power; unset: once a day"),
     }
 
     def form(self, _: str) -> Form:
@@ -584,7 +584,7 @@ class FlickerValue(ProcessValue):
 class Whole(SpecificationValue):
     """Specification value for all axes, some of which may say otherwise."""
 
-    rows: ClassVar[Rows] = {"axes": Row(OWN)}
+    rows: ClassVar[Rows] = {"axes": KeyRow(OWN)}
     rules: ClassVar[Rules] = (
         Rule(
             (),
@@ -608,7 +608,7 @@ class Open(Whole):
     """Specification value whose meaning the maker may leave open."""
 
     rows: ClassVar[Rows] = {
-        "reading": Row(
+        "reading": KeyRow(
             items(OWN),
             "what the value may mean, where the maker leaves it open: all are computed",
             usual=(),
@@ -671,7 +671,7 @@ class ReadValue:
 
 
 @cache
-def value_of(line: Source, sensor: str) -> Kind:
+def value_of(line: Source, sensor: str) -> ValueKind:
     """Return the kind of a value of that line: a text, or a mapping of its family."""
     family = _family(line)
     size = measured(
@@ -679,7 +679,7 @@ def value_of(line: Source, sensor: str) -> Kind:
     )
     title = f"{family.__name__.removesuffix('Value')} in {line.like(sensor)}"
     own = family.of_sensor.get(sensor, {})
-    needed: Rows = {"value": Row(size, is_needed=True)}
+    needed: Rows = {"value": KeyRow(size, is_needed=True)}
     if line.axes == ONE_VALUE:
         alone = table(family, {**own, **needed}, title)
         return or_text(alone, size, family.besides)
@@ -689,13 +689,13 @@ def value_of(line: Source, sensor: str) -> Kind:
     beside = beside_of(line, sensor)
     is_open = line.varies and sensor in SENSORS
     readings = tuple(word for group in readings_of(line) for word in group if is_open)
-    every: dict[str, Row | None] = {
+    every: dict[str, KeyRow | None] = {
         "reading": replace(Open.rows["reading"], kind=items(one_of(*readings)))
         if readings
         else None,
-        "value": Row(size),
-        "axes": Row(table(rows=by_axis, title=f"{title}, by axis")),
-        "adds_to": Row(one_of(beside), f"what is no part of {beside}, given as well")
+        "value": KeyRow(size),
+        "axes": KeyRow(table(rows=by_axis, title=f"{title}, by axis")),
+        "adds_to": KeyRow(one_of(beside), f"what is no part of {beside}, given as well")
         if beside
         else None,
         "earlier": replace(
@@ -705,7 +705,7 @@ def value_of(line: Source, sensor: str) -> Kind:
         if "earlier" in family.rows
         else None,
         **{
-            one.name: Row(measured(one.unit, Sign.POSITIVE), one.says)
+            one.name: KeyRow(measured(one.unit, Sign.POSITIVE), one.says)
             for one in line.keys
         },
     }

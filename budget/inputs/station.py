@@ -13,11 +13,11 @@ from budget.inputs.checking import nearest
 from budget.inputs.fields import (
     TEXT,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
+    ValueKind,
     check,
     fault,
     format_row,
@@ -114,11 +114,11 @@ def _check_rising(node: Node, gravity: float, read: Any) -> object:  # noqa: ANN
 SOAKS = or_else(items(POSITIVE_TIME, least=1, most=MOST_POINTS), _check_rising)
 # What a station says besides its figures, and what an unset word means.
 WORDS = {
-    "scale_from": Row(
+    "scale_from": KeyRow(
         one_of(ANGLE, RATE),
         "what scale factors of gyros are taken from; unset: angle, of whole turns",
     ),
-    "window": Row(
+    "window": KeyRow(
         one_of(*EDGES),
         "where windows of turns are cut: index of the table, rest, time; unset: index",
     ),
@@ -126,7 +126,7 @@ WORDS = {
 
 
 @cache
-def surroundings(owner: str) -> Kind:
+def surroundings(owner: str) -> ValueKind:
     """Return the rows of that owner, nested as its names are dotted; of none too."""
     tree: dict[str, Any] = {}
     for source in lines_of(owner):
@@ -140,24 +140,24 @@ def surroundings(owner: str) -> Kind:
     return or_part(_level(owner, owner, tree, {}), words={NONE: IN_TEST})
 
 
-def _level(title: str, owner: str, tree: dict[str, Any], words: Rows) -> Kind:
+def _level(title: str, owner: str, tree: dict[str, Any], words: Rows) -> ValueKind:
     """Return the rows of one level of the mapping."""
     rows = {**words}
     for key, branch in tree.items():
         if isinstance(branch, dict):
-            level: Kind = _level(f"{title} {key}", owner, branch, {})
+            level: ValueKind = _level(f"{title} {key}", owner, branch, {})
             # 'temperature: 20 degC' is that of the use, as in a requirement.
             if MISSION in branch and branch[MISSION].name in LINES:
                 level = or_part(level, key=MISSION)
-            rows[key] = Row(level)
+            rows[key] = KeyRow(level)
             continue
         source: Source = branch
         own = AGE_KIND if source.name == AGE else value_of(source, owner)
-        rows[key] = Row(own, source.model)
+        rows[key] = KeyRow(own, source.model)
         if source.time:
-            rows[source.time] = Row(POSITIVE_TIME, f"of {key}")
+            rows[source.time] = KeyRow(POSITIVE_TIME, f"of {key}")
         if source.points:
-            rows[source.points] = Row(SOAKS, f"of {key}: {POINTS}")
+            rows[source.points] = KeyRow(SOAKS, f"of {key}: {POINTS}")
     return table(Timed, rows, title)
 
 
@@ -225,9 +225,11 @@ class StationFile(Keyed):
 
     rows: ClassVar[Rows] = {
         "format": format_row("station"),
-        "name": Row(TEXT, "unset: the file's name"),
-        STATION: Row(surroundings(STATION), "uncertainties of table, place and timing"),
-        ENVIRONMENT: Row(
+        "name": KeyRow(TEXT, "unset: the file's name"),
+        STATION: KeyRow(
+            surroundings(STATION), "uncertainties of table, place and timing"
+        ),
+        ENVIRONMENT: KeyRow(
             surroundings(ENVIRONMENT),
             "what changes during the calibration; unset: nothing",
         ),

@@ -17,8 +17,8 @@ import numpy as np
 from budget.errors import CallError, UnitError
 from budget.inputs.course import KnownCourse, TemperaturePart, VibrationPart, or_size
 from budget.inputs.fields import (
-    Kind,
-    Row,
+    KeyRow,
+    ValueKind,
     fault,
     items,
     node_of,
@@ -53,13 +53,13 @@ OPTION = {"environment": "--environment", "age": "--age"}  # how a call states i
 
 
 def or_part(
-    kind: Kind, key: str = "", words: Mapping[str, Mapping[str, str]] | None = None
-) -> Kind:
+    kind: ValueKind, key: str = "", words: Mapping[str, Mapping[str, str]] | None = None
+) -> ValueKind:
     """Allow, beside a mapping, a value alone that is of one key in it.
 
     Parameters
     ----------
-    kind : Kind
+    kind : ValueKind
         Of the mapping.
     key : str
         Of a text in the place of the mapping.
@@ -97,7 +97,7 @@ _SAYS = (
     "right after it. Unset: not stated, and nothing meets without a condition"
 )
 # As a requirement states them.
-ENVIRONMENT_ROW = Row(
+ENVIRONMENT_ROW = KeyRow(
     or_part(
         table(rows=rows_of({key: _VALUES[key] for key in _NONE}), title="use"),
         words={NONE: _NONE},
@@ -105,7 +105,7 @@ ENVIRONMENT_ROW = Row(
     _SAYS.format(known=""),
 )
 # As a mission does, whose temperature and vibration may be known on the way.
-ON_THE_WAY_ROW = Row(
+ON_THE_WAY_ROW = KeyRow(
     or_part(
         table(
             rows=rows_of(
@@ -137,7 +137,7 @@ AGE_KIND = or_else(
     _VALUES[AGE],
     lambda node, gravity, read: read(replace(node, value=_zero(node.value)), gravity),
 )
-AGE_ROW = Row(AGE_KIND, "time from the calibration to the use; unset: not stated")
+AGE_ROW = KeyRow(AGE_KIND, "time from the calibration to the use; unset: not stated")
 
 
 def stated_lines(environment: object, age: object) -> tuple[ErrorLine, ...]:

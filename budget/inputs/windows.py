@@ -18,7 +18,7 @@ from budget.inputs.fields import (
     TRUTH,
     FieldGroup,
     Keyed,
-    Row,
+    KeyRow,
     Rows,
     Rule,
     Rules,
@@ -47,24 +47,28 @@ class WindowLine(Keyed):
     """A dwell or a turn, at a face held up or down or at angles of the table."""
 
     rows: ClassVar[Rows] = {
-        "face": Row(
+        "face": KeyRow(
             one_of(*FACES, "all"), "which body axis is vertical; all: each in turn"
         ),
-        "azimuth": Row(ANGLE, "of the outer axis, beside a face; unset: 0 deg"),
-        "azimuths": Row(items(ANGLE), "one after the other, beside a face"),
-        "outer": Row(ANGLE, "table angle, about up"),
-        "middle": Row(ANGLE, "table angle, about y"),
-        "inner": Row(ANGLE, "table angle, about x"),
-        "dwell": Row(SPAN, "how long it stands"),
-        "turn": Row(one_of(*TABLE_AXES), "axis that turns; vertical is the outer one"),
-        "turns": Row(
+        "azimuth": KeyRow(ANGLE, "of the outer axis, beside a face; unset: 0 deg"),
+        "azimuths": KeyRow(items(ANGLE), "one after the other, beside a face"),
+        "outer": KeyRow(ANGLE, "table angle, about up"),
+        "middle": KeyRow(ANGLE, "table angle, about y"),
+        "inner": KeyRow(ANGLE, "table angle, about x"),
+        "dwell": KeyRow(SPAN, "how long it stands"),
+        "turn": KeyRow(
+            one_of(*TABLE_AXES), "axis that turns; vertical is the outer one"
+        ),
+        "turns": KeyRow(
             number(-1_000_000, 1_000_000), "whole turns; the sign is the sense"
         ),
-        "rate": Row(measured("deg/s", Sign.POSITIVE), "of the turn"),
-        "back": Row(TRUTH, "followed by the same turn in the other sense", usual=False),
-        "repeat": Row(number(1, MOST_WINDOWS), "times one after the other", usual=1),
-        "start": Row(TIME, "on the clock of the file; unset: after the last"),
-        "use": Row(
+        "rate": KeyRow(measured("deg/s", Sign.POSITIVE), "of the turn"),
+        "back": KeyRow(
+            TRUTH, "followed by the same turn in the other sense", usual=False
+        ),
+        "repeat": KeyRow(number(1, MOST_WINDOWS), "times one after the other", usual=1),
+        "start": KeyRow(TIME, "on the clock of the file; unset: after the last"),
+        "use": KeyRow(
             one_of("gyro", "accelerometer", "both"),
             "whose readings are averaged",
             usual="both",
@@ -215,7 +219,9 @@ class WindowItem(FieldGroup, WindowLine):
 
     key = "windows"
     rows: ClassVar[Rows] = {
-        key: Row(items(table(WindowLine)), "a group; repeat beside it is of the whole")
+        key: KeyRow(
+            items(table(WindowLine)), "a group; repeat beside it is of the whole"
+        )
     }
 
     def each(self) -> list[WindowLine]:

@@ -85,7 +85,7 @@ class Move:
 
     item: Item
     unit: str
-    before: float | str | None  # None where there is none
+    before: float | str | None  # a Known of a number; None where there is none
     after: float | str | None
     is_sampled: bool = False
     # Its difference over its tolerance or, of a sampled number, over the standard error
@@ -94,7 +94,6 @@ class Move:
     # What the size of a difference is measured by, as it was before: the standard
     # uncertainty of the output, of what has none the number itself [unit].
     scale: float | None = None
-    bounds: tuple[bool, bool] = (False, False)  # before, after: is this or worse
     causes: tuple[Cause, ...] = ()
     # What all changes do at once beyond the sum of what each does alone, by the law
     # [unit]; None where that is nothing, or not known.
@@ -185,7 +184,7 @@ def find_moves(
     level = false_alarm / max(number, 1)
     moves: dict[Item, Move] = {}
     for item, (one, other) in pairs.items():
-        text = other.value if other else None
+        text = other.known if other else None
         sampled, times = False, None
         if isinstance(one, QuantityValue) and isinstance(other, QuantityValue):
             if is_within(one, other, level):
@@ -204,12 +203,11 @@ def find_moves(
         moves[item] = Move(
             item=item,
             unit=_unit(pairs[item]),
-            before=one.value if one else None,
+            before=one.known if one else None,
             after=text,
             is_sampled=sampled,
             times=times,
             scale=_scale(item, pairs),
-            bounds=(bool(one and one.lower_bound), bool(other and other.lower_bound)),
         )
     return tuple(moves.values())
 

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 from budget.distributions import LEAST_COVERAGE, MOST_COVERAGE
 from budget.inputs.fields import (
     TRUTH,
-    Kind,
-    Row,
+    KeyRow,
+    ValueKind,
     by_name,
     items,
     number,
@@ -24,6 +24,7 @@ from budget.inputs.fields import (
     table,
     text,
 )
+from budget.known import Known
 from budget.model.source import OWNERS
 from budget.model.sources import every_source
 from budget.names import AIDING, ALIGNMENT, MISSION, OUTPUTS, PARAMETERS, Name
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
 Job = Literal["analyze", "mission", "compare", "allocate"]
 Role = Literal["device", "procedure", "station", "mission", "requirement", "costs"]
 
+FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
 SOME = range(1, 10**9)  # or more: a file may have many variants
@@ -81,12 +83,12 @@ LINE, WORDS = text(400, _CONTROL), text(4000, _CONTROL)
 SHA256 = text(64, _NO_DIGEST)
 FINITE = number(-LARGEST, LARGEST, is_whole=False)
 NOT_NEGATIVE = number(0.0, LARGEST, is_whole=False)
-OPTIONAL = Row(LINE, usual="")
+OPTIONAL = KeyRow(LINE, usual="")
 
 
-def needed(kind: Kind) -> Row:
+def needed(kind: ValueKind) -> KeyRow:
     """Return the row of a key that must be there."""
-    return Row(kind, is_needed=True)
+    return KeyRow(kind, is_needed=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +110,7 @@ INPUT = table(
         "role": needed(one_of(*FILES["analyze"])),
         "file": needed(text(400, _CONTROL, (lambda value: not value, "is empty"))),
         "variant": OPTIONAL,
-        "changes": Row(items(LINE), usual=()),
+        "changes": KeyRow(items(LINE), usual=()),
         "sha256": needed(SHA256),
         "text": needed(  # a file has one line of it in each entry of a list
             or_else(
@@ -143,7 +145,7 @@ class Stored(Asked, Use):
 STORED = {name: row for name, row in rows(Stored, "check").items() if name != "sobol"}
 
 
-def _stored_kind(row: Setting) -> Kind:
+def _stored_kind(row: Setting) -> ValueKind:
     """Return the kind of what a file may have for a setting."""
     choices = UNTESTED if row.words else row.choices
     kind = one_of(*choices) if choices else LINE
@@ -158,7 +160,10 @@ def _stored_kind(row: Setting) -> Kind:
 
 SETTINGS = table(
     Stored,
-    {name: Row(_stored_kind(row), usual=row.default) for name, row in STORED.items()},
+    {
+        name: KeyRow(_stored_kind(row), usual=row.default)
+        for name, row in STORED.items()
+    },
 )
 
 
@@ -199,6 +204,15 @@ class QuantityValue:
         return Item(subject=self.subject, quantity=self.quantity, partner=self.partner)
 
     @property
+    def known(self) -> Known:
+        """The number, with the end that lines which are not given leave open."""
+        if not self.lower_bound:
+            return Known(self.value)
+        if self.quantity in FALLING:
+            return Known(self.value, low=-inf)
+        return Known.at_least(self.value)
+
+    @property
     def is_sampled(self) -> bool:
         """Whether another seed gives another value."""
         return self.standard_error is not None or self.trials is not None
@@ -216,7 +230,6 @@ class NominalProperty:
     rests_on: str = ""
     unit: ClassVar[str] = ""
     is_sampled: ClassVar[bool] = False
-    lower_bound: ClassVar[bool] = False
 
     @cached_property
     def item(self) -> Item:
@@ -224,7 +237,7 @@ class NominalProperty:
         return Item(subject=self.subject, quantity=self.quantity)
 
     @property
-    def value(self) -> str:
+    def known(self) -> str:
         """The text."""
         return self.text
 
@@ -235,11 +248,11 @@ QUANTITY_VALUE = table(
         **dict.fromkeys(("subject", "quantity", "unit"), needed(LINE)),
         "partner": OPTIONAL,
         "value": needed(FINITE),
-        "floor": Row(NOT_NEGATIVE, usual=0.0),
-        "standard_error": Row(NOT_NEGATIVE),
-        "degrees_of_freedom": Row(number(1e-300, is_whole=False)),
-        "trials": Row(number(1, MOST_TRIALS)),
-        "lower_bound": Row(TRUTH, usual=False),
+        "floor": KeyRow(NOT_NEGATIVE, usual=0.0),
+        "standard_error": KeyRow(NOT_NEGATIVE),
+        "degrees_of_freedom": KeyRow(number(1e-300, is_whole=False)),
+        "trials": KeyRow(number(1, MOST_TRIALS)),
+        "lower_bound": KeyRow(TRUTH, usual=False),
     },
 )
 NOMINAL_PROPERTY = table(
@@ -341,8 +354,8 @@ REFERENCE = {  # the rows of a file, but for its format and its checksum
     "inputs": needed(items(INPUT, least=1, most=MANY)),
     "settings": needed(SETTINGS),
     "numbers": needed(items(QUANTITY_VALUE, least=1)),
-    "words": Row(items(NOMINAL_PROPERTY), usual=()),
-    "known": Row(
+    "words": KeyRow(items(NOMINAL_PROPERTY), usual=()),
+    "known": KeyRow(
         or_else(
             items(LINE, most=MANY),
             lambda node, gravity, read: frozenset(read(node, gravity)),

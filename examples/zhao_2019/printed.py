@@ -16,9 +16,9 @@ from budget.documents import written
 from budget.inputs.fields import (
     TRUTH,
     Keyed,
-    Kind,
-    Row,
+    KeyRow,
     Rows,
+    ValueKind,
     by_name,
     check,
     fault,
@@ -129,16 +129,16 @@ SAID = text(10_000)
 DIGITS = or_else(SAID, _check_digits)
 NUMBER_OF_ANY_SIZE = number(-1e300, 1e300, is_whole=False)
 PARAMETER = one_of("scale_factor", "mounting_angle", "bias")
-NEEDED = Row(SAID, is_needed=True)
-MAYBE = Row(SAID, usual="")
+NEEDED = KeyRow(SAID, is_needed=True)
+MAYBE = KeyRow(SAID, usual="")
 
 
-def _needed(kind: Kind) -> Row:
+def _needed(kind: ValueKind) -> KeyRow:
     """Return the row of a key that must be there."""
-    return Row(kind, is_needed=True)
+    return KeyRow(kind, is_needed=True)
 
 
-def _some(kind: Kind, number: int) -> Row:
+def _some(kind: ValueKind, number: int) -> KeyRow:
     """Return the row of a key with so many values."""
     return _needed(items(kind, least=number, most=number))
 
@@ -181,7 +181,7 @@ class PrintedOrders(OfSource):
 
     rows: ClassVar[Rows] = {
         "condition": NEEDED,
-        "unit": Row(one_of("1", "arcsec", "deg/h"), usual="1"),
+        "unit": KeyRow(one_of("1", "arcsec", "deg/h"), usual="1"),
         "note": MAYBE,  # where the text gives it in another way
         "errors": _needed(by_name(DIGITS, PARAMETER)),  # '0' for none [unit]
     }
@@ -221,7 +221,7 @@ PRINTED_FORMULA = table(
         "unit": NEEDED,
         "printed": NEEDED,
         "ours": MAYBE,  # where it differs
-        "is_slip": Row(TRUTH, usual=True),  # of the press; else an approximation
+        "is_slip": KeyRow(TRUTH, usual=True),  # of the press; else an approximation
         "note": MAYBE,
     }
 )
@@ -231,20 +231,22 @@ GIVEN_READING = table(
         "row": NEEDED,
         "name": NEEDED,
         "sources": _needed(items(SAID)),
-        "pause": Row(NUMBER_OF_ANY_SIZE),  # between windows [s]
-        "sample_noise": Row(NUMBER_OF_ANY_SIZE),  # in each sample [deg/h]
-        "divisor": Row(NUMBER_OF_ANY_SIZE, usual=1.0),  # of the angle random walk [1]
-        "once_a_window": Row(TRUTH, usual=False),  # noise added to a window's sum
+        "pause": KeyRow(NUMBER_OF_ANY_SIZE),  # between windows [s]
+        "sample_noise": KeyRow(NUMBER_OF_ANY_SIZE),  # in each sample [deg/h]
+        "divisor": KeyRow(
+            NUMBER_OF_ANY_SIZE, usual=1.0
+        ),  # of the angle random walk [1]
+        "once_a_window": KeyRow(TRUTH, usual=False),  # noise added to a window's sum
         # Angles drawn about 0, errors counted from nominal.
-        "about_zero": Row(TRUTH, usual=False),
+        "about_zero": KeyRow(TRUTH, usual=False),
     }
 )
 # A reading of the accelerometer noise.
 NOISE_READING = table(
     rows={
         "name": NEEDED,
-        "in_si": Row(TRUTH, usual=False),  # m/s^2 in place of g
-        "once_a_window": Row(TRUTH, usual=False),
+        "in_si": KeyRow(TRUTH, usual=False),  # m/s^2 in place of g
+        "once_a_window": KeyRow(TRUTH, usual=False),
     }
 )
 # How a kind of finding is told; what stands in braces is filled in.
@@ -262,7 +264,7 @@ GIVEN_FINDING = table(
                 ),
             )
         ),
-        "is_summary": Row(TRUTH, usual=True),
+        "is_summary": KeyRow(TRUTH, usual=True),
     }
 )
 

@@ -398,6 +398,37 @@ def test_a_line_of_ones_own_is_that_of_its_device(tmp_path):
     assert_allclose(spread(late, *bias), spread(markov, *bias), rtol=1e-9)
 
 
+@pytest.mark.slow
+def test_a_line_that_is_expected_and_absent_bounds_the_verdict(home, tmp_path):
+    """As a line of ours: the verdict names what to ask for, and up to which value."""
+    code = (home / "my_imu.py").read_text()
+    line = NAME.removeprefix("gyro.")
+    named = f'    stays=DEVICE,\n    expected="{line}",\n'
+    code = code.replace("    stays=DEVICE,\n", named)
+    install(tmp_path, "my-imu", {line: "my_imu:ANISOELASTICITY"}, my_imu=code)
+    g = "g_sensitivity: 0.1 deg/h/g"
+    given, absent = device(f"{g}\n    {line}: {K} deg/h/g^2"), device(g)
+    wanted = {"name": "w", "environment": "none"}
+    wanted |= {"limits": {"gyro": {"bias": "30 deg/h"}}}
+    files = {"given": given, "absent": absent, "tilted": TILTED}
+    for name, text in (files | {"wanted": json.dumps(wanted)}).items():
+        (tmp_path / f"{name}.yaml").write_text(text)
+    how = "--procedure tilted.yaml --requirement wanted.yaml --no-validate"
+    known, asked, read = run(
+        tmp_path,
+        f"analyze given.yaml {how} --json -",
+        f"analyze absent.yaml {how} --json -",
+        f"analyze absent.yaml {how}",
+    )
+
+    (sensor,) = json.loads(known.out)["assessment"]["sensors"]
+    assert sensor["verdict"] == "meets"
+    (sensor,) = json.loads(asked.out)["assessment"]["sensors"]
+    assert sensor["verdict"] in {"meets_if", "undecidable"}
+    assert "gyro anisoelasticity" in read.out
+    assert "deg/h/g^2" in read.out
+
+
 HEAD = """
 from dataclasses import dataclass, replace
 import numpy as np
@@ -479,7 +510,7 @@ AXES = row("axes", Fine(), axes=("x", "x", []))
 OFFSET = row("shift", Offset("tilt"))
 NEGATIVE = row("negative", Negative())
 MONEY = row("money", type("Money", (Fine,), {"formula": "$x$"})())
-NEEDED = row("needed", Fine(), expected="needed")
+NEEDED = row("needed", Fine(), expected="noise")
 UNTOLD = row("untold", Fine(), keys=(Key(name="cycles", unit="s", usual=1.0, says=""),))
 KEYED = row("keyed", Fine(), keys=(Key(name="value", unit="s", usual=1.0, says=""),))
 LATE = row("late", Late())
@@ -513,7 +544,10 @@ BROKEN = {
     "money": ("broken:MONEY", "a formula without '$'"),
     "untold": ("broken:UNTOLD", "its in_use is not told its keys"),
     "keyed": ("broken:KEYED", "its keys are not a tuple of Key"),
-    "needed": ("broken:NEEDED", "it says expected, which ties lines of budget"),
+    "needed": (
+        "broken:NEEDED",
+        "it is expected as 'noise', which ties lines",
+    ),
 }
 TRIED_LATER = {"late": "LATE", "unbound": "UNBOUND", "crooked": "CROOKED"}
 

@@ -206,6 +206,7 @@ TUTORIAL = (DOCS / "tutorial.md").read_text(encoding="utf-8")
         ("library.md", "| `budget.analyze` | Compute the error budget"),
         ("documents.md", "| `contributions` | list of [contribution](#contribution) |"),
         ("commands.md", "| `--exit-code` | `analyze`, `mission` |"),
+        ("keys.md", "| `sample_rate` | in Hz | `100 Hz` | of the sensor outputs |"),
     ],
 )
 def test_a_table_is_made_of_what_the_package_has(name, row):
@@ -216,7 +217,7 @@ def test_a_table_is_made_of_what_the_package_has(name, row):
     assert set(TABLES["TABLES"]) == {"datasheets.md", *MADE}
 
 
-MADE = ("export.md", "library.md", "documents.md", "commands.md")
+MADE = ("export.md", "library.md", "documents.md", "commands.md", "keys.md")
 
 
 def test_every_capability_names_its_oracle_and_the_test():

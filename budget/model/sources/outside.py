@@ -71,7 +71,7 @@ SAID = frozenset(
     }
 )
 TIES = (
-    *("expected", "time", "points", "forms", "value", "beside", "over_temperature"),
+    *("time", "points", "forms", "value", "beside", "over_temperature"),
     *("left_of", "use", "is_asked", "grades"),
 )
 STAYS = (DEVICE, TURN_ON, TEST, IN_RUN)
@@ -194,6 +194,11 @@ def _wrong_ties(source: Source) -> Iterator[str]:
     for tie in TIES:
         if getattr(source, tie):
             yield f"it says {tie}, which ties lines of budget; expected it left out"
+    if source.expected not in {"", source.name}:
+        yield (
+            f"it is expected as {source.expected!r}, which ties lines of budget; "
+            f"expected {source.name!r}, or it left out"
+        )
     if not isinstance(source.keys, tuple) or not all(map(_is_key, source.keys)):
         yield (
             "its keys are not a tuple of Key, each with a name that no value has yet, "

@@ -7,7 +7,7 @@ from itertools import accumulate
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
-from budget.known import AT_LEAST, AT_MOST
+from budget.known import Known
 from budget.language import key_title, words
 from budget.question import read_name
 from budget.references.difference import EXACT, FALSE_ALARM, TOOL
@@ -41,7 +41,6 @@ PRINCIPAL = (
     "allowed",
     "cost",
 )
-FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MOST_ROWS = 24  # on a terminal
 MOST_CARDS = 4  # references that a page names before the table of all
 MOST_IDLE = 12  # changes without effect that a terminal names
@@ -281,10 +280,10 @@ def _row(move: Move, changes: Sequence[Alteration]) -> MovedRow:
         pair = print_pair(move.before, move.after)
     else:
         pair = (_word(move.before), _word(move.after))
-    sign = AT_MOST if move.item.quantity in FALLING else AT_LEAST
+    both = (move.before, move.after)
     before, after = (
-        f"{sign} {text}" if bound else text
-        for text, bound in zip(pair, move.bounds, strict=True)
+        one.written(text) if isinstance(one, Known) else text
+        for text, one in zip(pair, both, strict=True)
     )
     change = NONE
     ratio = 1.0 if move.relative is None else 1.0 + move.relative
@@ -298,7 +297,7 @@ def _row(move: Move, changes: Sequence[Alteration]) -> MovedRow:
         title=_title(move),
         before=before,
         after=after,
-        is_bound=any(move.bounds),
+        is_bound=any(isinstance(one, Known) and one.is_bound for one in both),
         change=change,
         times="" if move.times is None else _two_digits(move.times),
         is_sampled=move.is_sampled and move.times is not None,

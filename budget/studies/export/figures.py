@@ -13,6 +13,7 @@ root sum square of the lines that shift a parameter; or what a calibration leave
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,8 +78,8 @@ class Figure:
         return tuple(Name(line, owner=self.kind) for line in self.lines)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Missing:
+@dataclass(kw_only=True, eq=False)
+class Missing(Exception):  # noqa: N818 - a figure that is none
     """A figure that is not known: what would have to be given for it."""
 
     needs: str  # 'gyro.bias_stability'
@@ -111,20 +112,55 @@ class KnownFigures:
     filled: Mapping[Name, FilledLine] = field(default_factory=dict)
     _found: dict[str, Figure | Missing] = field(default_factory=dict, repr=False)
 
-    def figure(self, quantity: str) -> Figure | Missing:
-        """Return one of QUANTITIES."""
+    def __getitem__(self, quantity: str) -> Figure | Missing:
+        """Return one of QUANTITIES, as a template calls it: `gyro.noise`."""
         if quantity not in self._found:
-            found = QUANTITIES[quantity](self)
+            try:
+                found: Figure | Missing = QUANTITIES[quantity](self)
+            except Missing as missing:
+                found = missing
             self._found[quantity] = replace(found, kind=self.sensor.kind)
         return self._found[quantity]
 
-    def __getitem__(self, quantity: str) -> Figure | Missing:
-        """Return what a template calls `gyro.noise`."""
-        return self.figure(quantity)
+    def figure(self, quantity: str) -> Figure:
+        """Return one of QUANTITIES; raises Missing."""
+        found = self[quantity]
+        if isinstance(found, Missing):
+            raise found
+        return found
 
     def name(self, line: str) -> Name:
         """Return the full name of a line."""
         return Name(line, owner=self.sensor.kind)
+
+    def unit(self, per: str = "") -> str:
+        """Return the SI unit of what the triad reads, per something."""
+        return ("rad/s" if self.sensor.kind == GYRO else "m/s^2") + per
+
+    def name_of(self, effect: Effect) -> str:
+        """Return the line of the triad that has that effect."""
+        lines = lines_of(self.sensor.kind)
+        return next(one.name for one in lines if one.effect == effect)
+
+    def line_of(self, effect: Effect, why: str = "not given") -> ErrorLine:
+        """Return what is given of the line that has that effect; raises Missing."""
+        name = self.name_of(effect)
+        line = self.sensor.line(name)
+        if line is None:
+            raise Missing(needs=self.name(name), why=why)
+        return line
+
+    def origin(self, line: ErrorLine) -> str:
+        """Say what a line is and where it is printed."""
+        name = self.name(line.name)
+        if told := self.filled.get(name):
+            return f"{name}: {told.words}"
+        said = [
+            *(line.meaning, line.density, line.definition),
+            *(line.condition, line.source),
+        ]
+        words = "; ".join(dict.fromkeys(text for text in said if text))
+        return f"{name}: {line.printed} ({words})"
 
 
 def print_number(value: float) -> str:
@@ -134,110 +170,68 @@ def print_number(value: float) -> str:
 
 def print_values(values: Array) -> str:
     """Print the values of all axes, one where they are equal."""
-    texts = dict.fromkeys(map(print_number, values.tolist()))
-    return (
-        ", ".join(map(print_number, values.tolist())) if len(texts) > 1 else min(texts)
-    )
+    texts = list(map(print_number, values.tolist()))
+    return texts[0] if len({*texts}) == 1 else ", ".join(texts)
 
 
-def origin(known: KnownFigures, line: ErrorLine) -> str:
-    """Say what a line is and where it is printed."""
-    if told := known.filled.get(known.name(line.name)):
-        return f"{known.name(line.name)}: {told.words}"
-    said = [line.meaning, line.density, line.definition, line.condition, line.source]
-    words = "; ".join(dict.fromkeys(text for text in said if text))
-    return f"{known.name(line.name)}: {line.printed} ({words})"
-
-
-def _noise(known: KnownFigures) -> Figure | Missing:
+def _noise(known: KnownFigures) -> Figure:
     """Return the density of white noise [SI unit/sqrt(Hz)], two-sided."""
-    kind = known.sensor.kind
-    walk = known.sensor.line(walk_of(kind))
-    noise = known.sensor.line(SAMPLE_NOISE)
-    if walk is None and noise is None:
-        needs = f"{known.name(walk_of(kind))} or {known.name(SAMPLE_NOISE)}"
-        return Missing(needs=needs)
-    if noise is not None and noise.form != BAND and known.rate is None:
-        needs = f"--rate HZ, as {known.name(SAMPLE_NOISE)} counts by the sample"
-        return Missing(needs=needs)
-    square = np.zeros(len(AXES))
-    steps = []
-    if walk is not None:
-        square = square + walk.u**2
-        steps.append(origin(known, walk))
-    if noise is not None and noise.form == BAND:
-        square = square + noise.u**2
-        steps.append(origin(known, noise))
-    elif noise is not None and known.rate is not None:
-        square = square + noise.u**2 / known.rate
-        steps.append(f"{origin(known, noise)}, over sqrt(f)")
+    names = (walk_of(known.sensor.kind), SAMPLE_NOISE)
+    lines = [line for name in names if (line := known.sensor.line(name))]
+    if not lines:
+        raise Missing(needs=" or ".join(map(known.name, names)))
+    square, steps = np.zeros(len(AXES)), []
+    for line in lines:
+        is_of_sample = line.name == SAMPLE_NOISE and line.form != BAND
+        rate = known.rate if is_of_sample else 1.0
+        if rate is None:
+            needs = f"--rate HZ, as {known.name(line.name)} counts by the sample"
+            raise Missing(needs=needs)
+        square = square + line.u**2 / rate
+        steps.append(known.origin(line) + ", over sqrt(f)" * is_of_sample)
     value = np.sqrt(square)
-    unit = _unit(kind, "/sqrt(Hz)")
-    steps.append(f"N = {print_values(value)} {unit}, two-sided")
-    given = [line.name for line in (walk, noise) if line is not None]
-    return Figure(value=value, symbol="N", lines=tuple(given), steps=tuple(steps))
+    steps.append(f"N = {print_values(value)} {known.unit('/sqrt(Hz)')}, two-sided")
+    given = tuple(line.name for line in lines)
+    return Figure(value=value, symbol="N", lines=given, steps=tuple(steps))
 
 
-def _name_of(kind: str, effect: Effect) -> str:
-    """Return the line of a sensor that has that effect."""
-    return next(one.name for one in lines_of(kind) if one.effect == effect)
+def _of_line(
+    known: KnownFigures, line: ErrorLine, symbol: str, unit: str, more: str = ""
+) -> Figure:
+    """Return a line as the figure that it is."""
+    said = f"{symbol} = {print_values(line.u)} {unit}{more}"
+    steps = (known.origin(line), said)
+    return Figure(value=line.u, symbol=symbol, lines=(line.name,), steps=steps)
 
 
-def _walk(known: KnownFigures) -> Figure | Missing:
+def _walk(known: KnownFigures) -> Figure:
     """Return the random walk of the bias [SI unit/s/sqrt(Hz)]."""
-    walk = _name_of(known.sensor.kind, Walk())
-    line = known.sensor.line(walk)
-    if line is None:
-        return Missing(needs=known.name(walk))
-    unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
-    return Figure(
-        value=line.u,
-        symbol="K",
-        lines=(line.name,),
-        steps=(origin(known, line), f"K = {print_values(line.u)} {unit}"),
-    )
+    return _of_line(known, known.line_of(Walk()), "K", known.unit("/s/sqrt(Hz)"))
 
 
-def _quadratic(known: KnownFigures) -> Figure | Missing:
+def _quadratic(known: KnownFigures) -> Figure:
     """Return K2, the coefficient of the square of the input [1/SI unit]."""
-    name = _name_of(known.sensor.kind, Power(2))
-    line = known.sensor.line(name)
-    if line is None:
-        return Missing(needs=known.name(name))
     per = "s/rad" if known.sensor.kind == GYRO else "s^2/m"
-    said = f"K2 = {print_values(line.u)} {per}"
-    steps = (origin(known, line), said)
-    return Figure(value=line.u, symbol="K2", lines=(line.name,), steps=steps)
+    return _of_line(known, known.line_of(Power(2)), "K2", per)
 
 
-def _stability(known: KnownFigures) -> Figure | Missing:
+def _stability(known: KnownFigures) -> Figure:
     """Return sigma of the Gauss-Markov process [SI]."""
-    name = _name_of(known.sensor.kind, Stability())
-    line = known.sensor.line(name)
-    if line is None:
-        why = "not given"
-        if known.sensor.line(_name_of(known.sensor.kind, FlickerNoise())) is not None:
-            why += ", and flicker is no Gauss-Markov process"
-        return Missing(needs=known.name(name), why=why)
-    said = f"sigma = {print_values(line.u)} {_unit(known.sensor.kind)}"
-    if line.form == FLICKER:
-        said += ", the coefficient B of flicker noise, which a Gauss-Markov process "
-        said += "stands for"
-    return Figure(
-        value=line.u,
-        symbol="sigma",
-        lines=(line.name,),
-        steps=(origin(known, line), said),
+    is_flicker = known.sensor.line(known.name_of(FlickerNoise())) is not None
+    other = ", and flicker is no Gauss-Markov process" * is_flicker
+    line = known.line_of(Stability(), f"not given{other}")
+    stands = (
+        ", the coefficient B of flicker noise, which a Gauss-Markov process stands for"
+        if line.form == FLICKER
+        else ""
     )
+    return _of_line(known, line, "sigma", known.unit(), stands)
 
 
-def _time(known: KnownFigures) -> Figure | Missing:
+def _time(known: KnownFigures) -> Figure:
     """Return the correlation time of the Gauss-Markov process [s]."""
-    name = known.name(_name_of(known.sensor.kind, Stability()))
-    line = known.sensor.line(name.quantity)
-    if line is None:
-        return Missing(needs=name)
-    value = line.correlation_time
+    line = known.line_of(Stability())
+    name, value = known.name(line.name), line.correlation_time
     said = f"correlation time of {name}"
     if value is None:
         value = np.full(len(AXES), CORRELATION_TIME)
@@ -246,66 +240,47 @@ def _time(known: KnownFigures) -> Figure | Missing:
     return Figure(value=value, symbol="T", lines=(line.name,), steps=(said,), power=0)
 
 
-def _drift(known: KnownFigures) -> Figure | Missing:
+def _drift(known: KnownFigures) -> Figure:
     """Return the random walk that the drift of the bias looks like [.../s/sqrt(Hz)]."""
-    walk, sigma, time = (
-        known.figure(key) for key in ("walk", "stability", "correlation_time")
-    )
+    walk, sigma, time = known["walk"], known["stability"], known["correlation_time"]
     if isinstance(sigma, Missing) or isinstance(time, Missing):
-        if isinstance(walk, Missing):
-            why = sigma.why if isinstance(sigma, Missing) else walk.why
-            stability = known.name(_name_of(known.sensor.kind, Stability()))
-            needs = f"{stability} or {walk.needs}"
-            return Missing(needs=needs, why=why)
-        return walk
-    unit = _unit(known.sensor.kind, "/s/sqrt(Hz)")
+        if isinstance(walk, Figure):
+            return walk
+        first = sigma if isinstance(sigma, Missing) else walk
+        needs = f"{known.name(known.name_of(Stability()))} or {walk.needs}"
+        raise Missing(needs=needs, why=first.why)
+    unit = known.unit("/s/sqrt(Hz)")
     square = 2.0 * sigma.value**2 / time.value
-    steps = [*sigma.steps, *time.steps]
-    lines = sigma.lines
-    proxy = (
-        "sigma sqrt(2/T): a random walk as proxy of the Gauss-Markov process, right "
-        f"over times well below T = {print_values(time.value)} s"
-    )
-    if isinstance(walk, Missing):
-        steps.append(f"K = {print_values(np.sqrt(square))} {unit} = {proxy}")
-    else:
+    lines, steps = sigma.lines, (*sigma.steps, *time.steps)
+    symbol, sum_ = "K", ""
+    if isinstance(walk, Figure):
         square = square + walk.value**2
-        steps += walk.steps
-        steps.append(
-            f"K' = {print_values(np.sqrt(square))} {unit}, root sum square of K and "
-            + proxy
-        )
-        lines += walk.lines
-    return Figure(
-        value=np.sqrt(square),
-        symbol="K" if isinstance(walk, Missing) else "K'",
-        lines=lines,
-        steps=tuple(steps),
+        lines, steps = (*lines, *walk.lines), (*steps, *walk.steps)
+        symbol, sum_ = "K'", "root sum square of K and "
+    said = (
+        f"{symbol} = {print_values(np.sqrt(square))} {unit}{', ' if sum_ else ' = '}"
+        f"{sum_}sigma sqrt(2/T): a random walk as proxy of the Gauss-Markov process, "
+        f"right over times well below T = {print_values(time.value)} s"
     )
+    value = np.sqrt(square)
+    return Figure(value=value, symbol=symbol, lines=lines, steps=(*steps, said))
 
 
-def _driving(known: KnownFigures) -> Figure | Missing:
+def _driving(known: KnownFigures) -> Figure:
     """Return the density of the noise that drives the process [SI/sqrt(s)]."""
     sigma, time = known.figure("stability"), known.figure("correlation_time")
-    if isinstance(sigma, Missing) or isinstance(time, Missing):
-        return sigma if isinstance(sigma, Missing) else time
     value = sigma.value * np.sqrt(2.0 / time.value)
-    unit = _unit(known.sensor.kind, "/sqrt(s)")
-    steps = (
-        *sigma.steps,
-        *time.steps,
-        f"q = sigma sqrt(2/T) = {print_values(value)} {unit}, which drives the process",
-    )
+    shown = f"{print_values(value)} {known.unit('/sqrt(s)')}"
+    said = f"q = sigma sqrt(2/T) = {shown}, which drives the process"
+    steps = (*sigma.steps, *time.steps, said)
     return Figure(value=value, symbol="q", lines=sigma.lines, steps=steps)
 
 
-def _memory(known: KnownFigures) -> Figure | Missing:
+def _memory(known: KnownFigures) -> Figure:
     """Return phi, what is left of the process after one sample [1]."""
     time = known.figure("correlation_time")
-    if isinstance(time, Missing):
-        return time
     if known.rate is None:
-        return Missing(needs="--rate HZ")
+        raise Missing(needs="--rate HZ")
     longest = float(np.max(time.value))
     phi = np.exp(-1.0 / (known.rate * np.full(len(AXES), longest)))
     said = f"phi = exp(-1/(f T)) = {print_number(float(phi[0]))}"
@@ -313,65 +288,47 @@ def _memory(known: KnownFigures) -> Figure | Missing:
     return Figure(value=phi, symbol="phi", lines=time.lines, steps=steps, power=0)
 
 
-def _step(known: KnownFigures) -> Figure | Missing:
+def _step(known: KnownFigures) -> Figure:
     """Return what one sample adds to the process [SI]."""
     sigma, memory = known.figure("stability"), known.figure("memory")
-    if isinstance(sigma, Missing) or isinstance(memory, Missing):
-        return sigma if isinstance(sigma, Missing) else memory
     # 1 - phi^2 without the loss of digits that phi near 1 brings.
     with np.errstate(divide="ignore"):  # nothing is left of a fast one: phi is 0
         value = sigma.value * np.sqrt(-np.expm1(2.0 * np.log(memory.value)))
     said = f"w = sigma sqrt(1 - phi^2) = {print_values(value)}, of each sample"
-    return Figure(
-        value=value,
-        symbol="w",
-        lines=sigma.lines,
-        steps=(*sigma.steps, *memory.steps, said),
-    )
+    steps = (*sigma.steps, *memory.steps, said)
+    return Figure(value=value, symbol="w", lines=sigma.lines, steps=steps)
 
 
-def _constant(parameter: str) -> Callable[[KnownFigures], Figure | Missing]:
-    """Return what finds the spread of a parameter, raw or after a calibration."""
-
-    def find(known: KnownFigures) -> Figure | Missing:
-        axes = PARAMETERS[parameter]
-        names = [Name(parameter, owner=known.sensor.kind, axis=axis) for axis in axes]
+def _constant(known: KnownFigures, parameter: str) -> Figure:
+    """Return the spread of a parameter, raw or after a calibration."""
+    axes = PARAMETERS[parameter]
+    if known.left is None:
+        return _raw(known, parameter)
+    names = [Name(parameter, owner=known.sensor.kind, axis=axis) for axis in axes]
+    rows = {row.output.name: row for row in known.left.outputs}
+    if not rows.keys() >= {*names}:
         raw = _raw(known, parameter)
-        if known.left is None:
-            return raw
-        rows = {row.output.name: row for row in known.left.outputs}
-        if not rows.keys() >= set(names):
-            if isinstance(raw, Missing):
-                return raw
-            said = f"{known.procedure} does not find it: the raw figure"
-            return Figure(
-                value=raw.value,
-                axes=axes,
-                symbol=raw.symbol,
-                lines=raw.lines,
-                steps=(*raw.steps, said),
-            )
-        lacks = dict.fromkeys(
-            name for one in names for name in rows[one].standard_uncertainty.why
-        )
-        if lacks:
-            why = "not given, and would add to what is left"
-            return Missing(needs=", ".join(lacks), why=why, axes=axes)
-        value = np.array([rows[name].standard_uncertainty for name in names])
-        first = rows[names[int(np.argmax(value))]].ranked[0]
-        said = (
-            f"{names[0].group}: u = {print_values(value)}"
-            f"{_unit_of(known.sensor.kind, parameter)} left by {known.procedure} at "
-            f"the next turn-on (law of propagation), most of it {first.source}"
-        )
-        lines = () if isinstance(raw, Missing) else raw.lines
-        return Figure(value=value, axes=axes, symbol="u", lines=lines, steps=(said,))
-
-    return find
+        said = f"{known.procedure} does not find it: the raw figure"
+        return replace(raw, steps=(*raw.steps, said))
+    lacks = dict.fromkeys(
+        name for one in names for name in rows[one].standard_uncertainty.why
+    )
+    if lacks:
+        why = "not given, and would add to what is left"
+        raise Missing(needs=", ".join(lacks), why=why, axes=axes)
+    value = np.array([rows[name].standard_uncertainty for name in names])
+    first = rows[names[int(np.argmax(value))]].ranked[0]
+    said = (
+        f"{names[0].group}: u = {print_values(value)}{_unit_of(known, parameter)} left "
+        f"by {known.procedure} at the next turn-on (law of propagation), most of it "
+        f"{first.source}"
+    )
+    lines = tuple(line.name for line in _shifting(known, parameter))
+    return Figure(value=value, axes=axes, symbol="u", lines=lines, steps=(said,))
 
 
-def _raw(known: KnownFigures, parameter: str) -> Figure | Missing:
-    """Return the root sum square of the lines that shift a parameter."""
+def _shifting(known: KnownFigures, parameter: str) -> list[ErrorLine]:
+    """Return the lines that shift a parameter; none where the expected one is not."""
     kind = known.sensor.kind
     lines = [
         line
@@ -379,30 +336,37 @@ def _raw(known: KnownFigures, parameter: str) -> Figure | Missing:
         for effect in (source_of(kind, line.name).meant(line).effect,)
         if isinstance(effect, Offset) and effect.target == parameter
     ]
-    expected = _name_of(kind, Offset(parameter))
-    if expected not in {line.name for line in lines}:
-        return Missing(needs=known.name(expected), axes=PARAMETERS[parameter])
+    expected = known.name_of(Offset(parameter))
+    return lines if expected in {line.name for line in lines} else []
+
+
+def _raw(known: KnownFigures, parameter: str) -> Figure:
+    """Return the root sum square of the lines that shift a parameter."""
+    axes, lines = PARAMETERS[parameter], _shifting(known, parameter)
+    if not lines:
+        expected = known.name_of(Offset(parameter))
+        raise Missing(needs=known.name(expected), axes=axes)
     value = np.sqrt(np.sum([line.u**2 for line in lines], axis=0))
-    steps = [origin(known, line) for line in lines]
     sum_ = "" if len(lines) == 1 else ", root sum square"
-    steps.append(f"u = {print_values(value)}{_unit_of(kind, parameter)}{sum_}")
     return Figure(
         value=value,
-        axes=PARAMETERS[parameter],
+        axes=axes,
         symbol="u",
         lines=tuple(line.name for line in lines),
-        steps=tuple(steps),
+        steps=(
+            *map(known.origin, lines),
+            f"u = {print_values(value)}{_unit_of(known, parameter)}{sum_}",
+        ),
     )
 
 
-def _total_bias(known: KnownFigures) -> Figure | Missing:
+def _total_bias(known: KnownFigures) -> Figure:
     """Return the spread of the bias at the start: the constant with the process."""
-    bias, sigma = known.figure("bias"), known.figure("stability")
-    if isinstance(bias, Missing) or isinstance(sigma, Missing):
+    bias, sigma = known.figure("bias"), known["stability"]
+    if isinstance(sigma, Missing):
         return bias
     value = np.hypot(bias.value, sigma.value)
-    unit = _unit(known.sensor.kind)
-    said = f"u' = {print_values(value)} {unit}, root sum square of u and sigma"
+    said = f"u' = {print_values(value)} {known.unit()}, root sum square of u and sigma"
     return Figure(
         value=value,
         symbol="u'",
@@ -411,18 +375,13 @@ def _total_bias(known: KnownFigures) -> Figure | Missing:
     )
 
 
-def _unit(kind: str, per: str = "") -> str:
-    """Return the SI unit of what a triad reads."""
-    return ("rad/s" if kind == GYRO else "m/s^2") + per
-
-
-def _unit_of(kind: str, parameter: str) -> str:
+def _unit_of(known: KnownFigures, parameter: str) -> str:
     """Return the SI unit of a parameter, after a blank; a ratio has none."""
     units = {"scale_factor": "", "mounting_angle": " rad"}
-    return units.get(parameter, f" {_unit(kind)}")
+    return units.get(parameter, f" {known.unit()}")
 
 
-QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure | Missing]] = {
+QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure]] = {
     "noise": _noise,
     "walk": _walk,
     "drift": _drift,
@@ -432,8 +391,6 @@ QUANTITIES: Mapping[str, Callable[[KnownFigures], Figure | Missing]] = {
     "memory": _memory,
     "step": _step,
     "quadratic": _quadratic,
-    "bias": _constant("bias"),
     "total_bias": _total_bias,
-    "scale_factor": _constant("scale_factor"),
-    "mounting_angle": _constant("mounting_angle"),
+    **{name: partial(_constant, parameter=name) for name in PARAMETERS},
 }

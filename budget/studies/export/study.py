@@ -256,7 +256,7 @@ def _notes(
     target: Target, known: Mapping[str, KnownFigures], entries: Sequence[Exported]
 ) -> Iterator[str]:
     """Yield what else a user of the file must know."""
-    times = [known[kind].figure("correlation_time") for kind in (GYRO, ACCELEROMETER)]
+    times = [known[kind]["correlation_time"] for kind in (GYRO, ACCELEROMETER)]
     values = [set(one.value.tolist()) for one in times if isinstance(one, Figure)]
     if target.one_time and len(set().union(*values)) > 1:
         texts = ", ".join(print_number(value) for value in sorted(set().union(*values)))
