@@ -689,8 +689,10 @@ class KeyTable:
     def schema(self, tables: Schemas) -> Schema:
         """Return a reference to its own, which goes to the tables."""
         if self not in tables:
-            names = {one["title"] for one in tables.values()}
-            own = tables[self] = {"title": self.title + "_" * (self.title in names)}
+            same = sum(one.title == self.title for one in tables)
+            own = tables[self] = {
+                "title": f"{self.title}_{same + 1}" if same else self.title
+            }
             own |= {
                 "type": "object",
                 "description": (self.record.__doc__ or "").partition("\n")[0],

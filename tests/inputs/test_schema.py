@@ -12,6 +12,7 @@ from places import put
 from budget.errors import CallError
 from budget.inputs import json_schema, validate
 from budget.inputs.reader import read
+from budget.inputs.schema import TABLES
 from budget.inputs.tree import plain
 from budget.resources import shipped
 
@@ -46,6 +47,16 @@ def test_schemas_are_sound(kind):
     assert kind in schema["title"]
     jsonschema.Draft202012Validator.check_schema(schema)
     assert "'null'" not in str(schema)
+    assert all(name == one["title"] for name, one in schema["$defs"].items())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_mappings_that_are_told_apart_have_names_of_their_own(kind):
+    """As many definitions as there are mappings: none takes the place of another."""
+    tables = {}
+    TABLES[kind]().described(tables)
+    assert len({one["title"] for one in tables.values()}) == len(tables)
+    assert len(json_schema(kind)["$defs"]) == len(tables) - 1
 
 
 def test_shipped_files_pass_tool_and_schema():
