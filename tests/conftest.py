@@ -8,6 +8,7 @@ import re
 import signal
 import sys
 from collections import defaultdict
+from functools import wraps
 from importlib import import_module
 from types import FunctionType
 
@@ -21,6 +22,7 @@ from keeping import Variates, once
 
 from budget import question
 from budget.methods import execution
+from budget.settings import Engine
 from budget.studies import analysis
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
@@ -128,15 +130,27 @@ ANALYZED: dict = {}
 
 @pytest.fixture(scope="module")
 def analyzed_once():
-    """Compute a budget once, in however many forms it is told."""
-    compute = once(analysis.analyze_as, ANALYZED)
+    """Compute a budget or an allocation once, in however many forms it is told.
 
-    def kept(*args, **options):
-        del options["engine"]  # its talk and its bar are for no two calls the same
-        return compute(*args, **options)
+    For modules that ask what is said of it; nothing is said while it is computed.
+    """
+
+    def kept(function):
+        @wraps(function)
+        def silent(*args, **options):
+            return function(*args, engine=Engine(), **options)
+
+        computed = once(silent, ANALYZED)
+
+        def talking(*args, engine=None, **options):
+            del engine  # no two calls have the same
+            return computed(*args, **options)
+
+        return talking
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(analysis, "analyze_as", kept)
+        for module, name in ((analysis, "analyze_as"), (allocate, "allocate_as")):
+            patch.setattr(module, name, kept(getattr(module, name)))
         yield
 
 

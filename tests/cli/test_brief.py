@@ -13,6 +13,8 @@ from budget.language import speaking
 from budget.report import terminal
 from budget.report.blocks import Cell, Column, RowGroup, Section, Table
 
+pytestmark = pytest.mark.usefixtures("analyzed_once")
+
 TACTICAL = ("--requirement", "tactical-grade")
 CALLS = {
     "analyze": ("analyze", "zhao-2019", "--no-validate"),

@@ -15,7 +15,7 @@ from reading import assert_says, needs_poppler, squeeze, text_of
 
 from budget.resources import shipped
 
-pytestmark = pytest.mark.usefixtures("drawn_once")
+pytestmark = pytest.mark.usefixtures("drawn_once", "analyzed_once")
 
 SPECS = shipped("specs")
 REQUIREMENT = SPECS / "requirements" / "navigation-grade.yaml"

@@ -20,7 +20,7 @@ from budget.names import Name
 from budget.resources import shipped
 from budget.settings import Inputs, every_row
 
-pytestmark = pytest.mark.usefixtures("drawn_once")
+pytestmark = pytest.mark.usefixtures("drawn_once", "analyzed_once")
 
 CHANGE = "gyro.bias_stability=0.02 deg/h"
 SET = ("--set", CHANGE)

@@ -13,6 +13,8 @@ from reading import assert_says
 import budget
 from budget.errors import CallError, SpecError
 
+pytestmark = pytest.mark.usefixtures("analyzed_once")
+
 LAW = ("--no-validate",)
 AT = ("--mission", "bench", "--at", "1 h", *LAW)
 WARM = "temperature 10 degC"

@@ -20,6 +20,8 @@ from budget.report.tables import print_contributions
 from budget.results import Condition
 from budget.ties import foremost, smallest
 
+pytestmark = pytest.mark.usefixtures("analyzed_once")
+
 LAW = ("--no-validate",)
 NEED = """\
 name: road

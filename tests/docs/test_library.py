@@ -185,7 +185,7 @@ def test_studies_take_names():
     wanted = "navigation-grade"
     shared = budget.allocate("zhao-2019", requirement=wanted, validate=False)
     assert shared.title == "Zhao 2019 optical IMU"
-    assert budget.qualify("zhao-2019", requirement=wanted).requirement
+    assert budget.qualify("zhao-2019", requirement=wanted).figures
     assert (
         budget.export("stim300#5g", to="kalibr", rate=200.0).to_dict()["command"]
         == "export"

@@ -209,7 +209,7 @@ def test_missions_with_aids_are_computed_or_refused(folder):
     """
     computed = []
 
-    @examples(12)
+    @examples(20)
     @given(seed=st.integers(0, 2**32 - 1))
     def judge(seed):
         random = random_of(seed)

@@ -53,7 +53,6 @@ PRINTED = (
     ("analyze",),
     ("compare", "zhao-2019", "hg4930", "--requirement", "catalogue-edge"),
     COMPARED,
-    ("allocate", "--requirement", "navigation-grade", "--no-validate"),
     ("allocate", "--requirement", WANTED),
     (*LEAST_COST, "--no-validate"),
     ("diff", "zhao-2019", "hg4930#A"),

@@ -239,11 +239,18 @@ def choices(kind, *, moving, of_use=False):
     ]
 
 
+def is_of_another_axis(key):
+    """Say whether a key beside a value is of an axis that reads as the first one."""
+    _, found, own = "/".join(map(str, key.path)).partition("/axes/")
+    return bool(found) and own.partition("/")[0] not in {"x", "xy", "xx"} and "/" in own
+
+
 DEVICE = [
     key
     for key in choices("device", moving=True)
     # What a range decides is a test of its own.
     if key.path[0] != "variants" and "range" not in key.path[:2]
+    if not is_of_another_axis(key)
 ]
 RANGED = [
     key
@@ -258,10 +265,15 @@ QUIET = [
     # of the Allan curve does not do with the reader.
     if key.path[0] not in {"variants", "abstract"}
     and {"g_sensitivity", "averaging_time"}.isdisjoint(key.path)
+    and not is_of_another_axis(key)
 ]
 VARIED: dict = {}  # by line, or what else stands so deep
 for key in KEYS["device"]:
-    if key.path[0] == "variants" and "const" not in key.schema:
+    if (
+        key.path[0] == "variants"
+        and "const" not in key.schema
+        and not is_of_another_axis(key)
+    ):
         VARIED.setdefault(".".join(map(str, key.path[2:5])), []).append(key)
 
 
@@ -291,6 +303,9 @@ def by_line(kind):
     """Mark a test of `keys` of a kind that move a number: of a line at a time."""
     keys = DEVICE if kind == "device" else choices(kind, moving=True)
     lines = alike(keys, lambda key: ".".join(key.path[:3]))
+    if kind == "costs":  # each line is read as the others: of each one key, in turn
+        own = alike(keys, lambda key: key.path[1])
+        lines = [[each[place % len(each)]] for place, each in enumerate(own)]
     return pytest.mark.parametrize("keys", lines, ids=lambda keys: str(keys[0]))
 
 

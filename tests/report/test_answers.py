@@ -15,7 +15,7 @@ from reference_examples import DEVICE
 
 from budget.studies import stations
 
-pytestmark = pytest.mark.usefixtures("drawn_once")
+pytestmark = pytest.mark.usefixtures("drawn_once", "analyzed_once")
 
 # A name that is no Markdown, no template, no tag and no formula.
 HOSTILE = "A *b* <i>c</i> {{ 1 }} $d$ | `e`"

@@ -49,7 +49,7 @@ def test_json_refuses_what_is_no_number():
     """NaN never gets into a document."""
     outputs = make_outputs("gyro", GYRO, mean=float("nan"))
 
-    with pytest.raises(ValueError, match="not JSON compliant"):
+    with pytest.raises(ValueError, match="no number that JSON has"):
         to_json(make_budget(outputs=outputs))
 
 

@@ -539,7 +539,7 @@ STATED = {
     "environment": {"temperature": "10 degC", "vibration": "1 g"},
     "age": "1 year",
 }
-SWEEP = 200
+SWEEP = 72
 
 
 @pytest.fixture(scope="module")
@@ -740,7 +740,7 @@ def test_a_limit_that_no_environment_reaches_is_not_met_without_one():
     assert found.assessment.sensors[0].verdict == "meets"
 
 
-SHEETS = 50
+SHEETS = 18
 TEST = {
     "name": "test",
     "limits": {

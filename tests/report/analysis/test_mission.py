@@ -54,7 +54,7 @@ from budget.studies.mission import curve, drawn_times
 from budget.studies.what_if import what_if
 from budget.units import ARCSEC, DEGREE, parse_quantity
 
-pytestmark = pytest.mark.usefixtures("drawn_once")
+pytestmark = pytest.mark.usefixtures("drawn_once", "analyzed_once")
 
 LIMITS = {
     "name": "a mile",
