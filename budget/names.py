@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar, cast
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -63,7 +63,7 @@ class Name(str):
     ) -> Self:
         """Join the parts that are there with dots."""
         # A Name has its own: of thousands of devices one stands for all.
-        return _joined(cls, str(quantity), str(owner), str(axis), time)
+        return cast("Self", _joined(cls, str(quantity), str(owner), str(axis), time))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Keep the parts when the name is sent to another process."""

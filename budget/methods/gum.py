@@ -259,7 +259,7 @@ def _propagated(problems: Sequence[Problem]) -> list[Propagation]:
     CU = C @ U_x
     first_order = CU @ C.T  # JCGM 102:2011, 6.2.1.3, shape (n, n_out, n_out)
     # H U, of which the rows (k, i) alone are not 0 that H has.
-    k, i = H.any(axis=2).nonzero()
+    k, i = np.nonzero(H.any(axis=2))
     HU = np.zeros((len(problems), *H.shape))
     HU[:, k, i] = H[k, i] @ U_x
     UH = HU.transpose(0, 1, 3, 2)

@@ -84,14 +84,14 @@ def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
     is_there = law.H.any(axis=2)
     most = int(is_there.sum(axis=1).max(initial=0))
     bent = np.argsort(~is_there, axis=1, kind="stable")[:, :most]  # (n_out, most)
-    rows = np.arange(len(bent))[:, None]
+    outputs = np.arange(len(bent))[:, None]
     with small_blocks():
         # Over u first: cubes and fourth powers of 1e-8 rad/s leave few digits.
-        C, wide = law.C / u[:, None], law.H[rows, bent] @ U / u[:, None, None]
-        HU = wide[rows[:, :, None], np.arange(most)[:, None], bent[:, None, :]]
+        C, wide = law.C / u[:, None], law.H[outputs, bent] @ U / u[:, None, None]
+        HU = wide[outputs[:, :, None], np.arange(most)[:, None], bent[:, None, :]]
         once = (wide @ C[:, :, None])[:, :, 0]  # H U c
         squared = HU @ HU
-        k3 = 3.0 * ((C @ U)[rows, bent] * once).sum(axis=1) + np.einsum(
+        k3 = 3.0 * ((C @ U)[outputs, bent] * once).sum(axis=1) + np.einsum(
             "kij,kji->k", squared, HU
         )
         among = U[bent[:, :, None], bent[:, None, :]]
@@ -114,7 +114,7 @@ def _deviation(problem: Problem, law: Propagation) -> Array:
         y = problem.evaluate(x)
         dx = x - problem.mean[:, None]
         expanded = law.value[:, None] + law.C @ dx
-        k, i = law.H.any(axis=2).nonzero()
+        k, i = np.nonzero(law.H.any(axis=2))
         bent = 0.5 * dx[i] * (law.H[k, i] @ dx)
         of_output = (np.arange(len(expanded))[:, None] == k).astype(float)
         expanded += of_output @ bent

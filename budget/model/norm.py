@@ -267,7 +267,7 @@ def shown_of_errors(inputs: Array, value: Array) -> Array:
 def _seen(matrix: Array, noise: Array) -> Array:
     """Return sums of noise, (3, m, 4, trials), that each axis shows, (m, trials)."""
     if matrix.ndim > 2 and matrix.dtype == float:  # noqa: PLR2004 - of each trial
-        return np.einsum("ait,imat->mt", matrix, noise[:, :, :BIAS])
+        return np.asarray(np.einsum("ait,imat->mt", matrix, noise[:, :, :BIAS]))
     return np.asarray(
         sum(
             matrix[a, i] * noise[i, :, a]

@@ -48,7 +48,7 @@ def cautions_of(question: Question) -> tuple[Condition, ...]:
 def _cautions_of(question: Question) -> Iterator[Condition]:
     """Yield them."""
     for one in peaks(question):
-        yield _on_range(one.sensor, "range_needed", needed=one.shown)
+        yield _on_range("conditions.range_needed", one.sensor, needed=one.shown)
     mission = question.journey
     for asked in () if mission is None else saturations(question.sensors, mission):
         name = Name("range", owner=asked.peak.sensor)
@@ -63,16 +63,15 @@ def _cautions_of(question: Question) -> Iterator[Condition]:
             yield from _in_use(question, Name(line.name, owner=sensor.kind), line)
 
 
-def _on_range(sensor: str, key: str, **said: str) -> Condition:
+def _on_line(kind: str, place: str, line: Name, **said: object) -> Condition:
+    """Return what there is to say of a line: a sentence on it."""
+    return Condition(kind=kind, line=line, text=sentence(place, line=line, **said))
+
+
+def _on_range(place: str, sensor: str, **said: object) -> Condition:
     """Return what there is to say of a range that is not given."""
-    text = sentence(f"conditions.{key}", sensor=sensor, **said)
+    text = sentence(place, sensor=sensor, **said)
     return Condition(kind="range", line=Name("range", owner=sensor), text=text)
-
-
-def _on_line(kind: str, key: str, line: Name, **said: object) -> Condition:
-    """Return what there is to say of a line that is given."""
-    text = sentence(f"conditions.{key}", line=line, **said)
-    return Condition(kind=kind, line=line, text=text)
 
 
 def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Condition]:
@@ -81,18 +80,22 @@ def _in_use(question: Question, name: Name, line: ErrorLine) -> Iterator[Conditi
     is_idle = key in stated and not stated[key].u.any() and line.u.any()
     if is_idle and key not in exercised_in_test(question):
         yield _on_line(
-            "not_exercised", "not_exercised", name, printed=line.printed, use=key
+            "not_exercised",
+            "conditions.not_exercised",
+            name,
+            printed=line.printed,
+            use=key,
         )
     if question.journey is not None:
         yield from _open_lines(name, line)
     felt = stated.get("temperature")
     if felt is not None and felt.u.any() and includes(line, "temperature"):
         said = {"temperature": felt.printed}
-        yield _on_line("temperature", "includes_temperature", name, **said)
+        yield _on_line("temperature", "conditions.includes_temperature", name, **said)
     time, age = time_of(line.horizon), stated.get("age")
     if age and time and key != "age" and time.value < age.u[0]:
         said = {"time": time.printed, "age": age.printed}
-        yield _on_line("horizon", "outlives", name, **said)
+        yield _on_line("horizon", "conditions.outlives", name, **said)
 
 
 def _unusual(
@@ -113,7 +116,7 @@ def _unusual(
                 if is_low or line.largest > most.u * FAR_ABOVE:
                     yield _on_line(
                         "unusual",
-                        "far_off",
+                        "conditions.far_off",
                         name,
                         printed=line.printed,
                         other=(least if is_low else most).printed,
@@ -123,7 +126,9 @@ def _unusual(
             is_stability = source_of(sensor.kind, line.name).value == "stability"
             if is_stability and time is not None and time.min() < SHORT:
                 shortest = float(time.min())
-                yield _on_line(NO_TIME, "no_correlation", name, time=shortest)
+                yield _on_line(
+                    NO_TIME, "conditions.no_correlation", name, time=shortest
+                )
 
 
 def cautions_of_device(device: Device) -> tuple[Condition, ...]:
@@ -145,15 +150,15 @@ def _of_sheet(sensor: Sensor) -> Iterator[Condition]:
         text = sentence("conditions.not_given", lines=absent)
         yield Condition(kind="missing", line=absent[0], text=text)
     if sensor.range is None:
-        yield _on_range(sensor.kind, "no_range")
+        yield _on_range("conditions.no_range", sensor.kind)
     for line in sensor.lines:
         name = Name(line.name, owner=sensor.kind)
         key = source_of(sensor.kind, line.name).use
         if key and line.u.any():
             said = {"printed": line.printed, "use": key}
-            yield _on_line("not_exercised", "acts_at_use", name, **said)
+            yield _on_line("not_exercised", "conditions.acts_at_use", name, **said)
         elif key != "age" and time_of(line.horizon) is not None:
-            yield _on_line("horizon", "lasts", name, time=line.horizon)
+            yield _on_line("horizon", "conditions.lasts", name, time=line.horizon)
         yield from _open_lines(name, line)
 
 
@@ -172,7 +177,7 @@ def _aside(device: Device) -> Iterator[Condition]:
                 is_called &= not isinstance(effect, Quantization)
                 if is_called or f" {words(line.quantity)} " in f" {after}":
                     said = {"name": figure.name, "value": figure.value}
-                    yield _on_line("unusual", "among_figures", line, **said)
+                    yield _on_line("unusual", "conditions.among_figures", line, **said)
 
 
 def _open_lines(name: Name, line: ErrorLine) -> Iterator[Condition]:
@@ -182,4 +187,4 @@ def _open_lines(name: Name, line: ErrorLine) -> Iterator[Condition]:
     if key == "correlation_time":
         is_said = line.definition != ALLAN_FLOOR or line.correlation_time is not None
     if key and not is_said:
-        yield _on_line(key, "left_open", name, what=key)
+        yield _on_line(key, "conditions.left_open", name, what=key)

@@ -613,15 +613,14 @@ def test_what_if_starts_from_the_interval_that_was_judged(used, verdict):
     assert law.sensors[0].utilisation > 1.15 * used  # control
 
 
-def test_the_screen_never_contradicts_trials():
-    """By gum the verdict is that of the trials, or none."""
+def test_by_gum_the_verdict_is_that_of_trials():
+    """Trials decide what the law is not sure of; it stays open only near the limit."""
     for used in (0.3, 0.8, 0.95, 1.02, 1.3, 3.0):
         made = bounded_bias("x", used)
         fast = compared([made], method="gum").devices[0]
         sure = compared([made], trials=100_000, max_trials=400_000).devices[0]
 
         assert fast.verdict in {sure.verdict, "undecided"}
-        assert fast.conformance.low is None
         low, high = fast.utilisation_interval
         assert low <= used <= high
         if fast.verdict == "undecided":

@@ -421,8 +421,11 @@ def _warnings(
             if kind not in {IMU, MISSION}
         ),
         *(
-            sentence(f"allocations.{key}")
-            for key, has in (("retuned", "aiding"), ("own_filter", "filter"))
+            sentence(place)
+            for place, has in (
+                ("allocations.retuned", "aiding"),
+                ("allocations.own_filter", "filter"),
+            )
             if journey is not None and getattr(journey, has)
         ),
         *(

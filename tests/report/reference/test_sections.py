@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 from reading import assert_says, find
 
+from budget.known import Known
 from budget.references.difference import Alteration, Cause, Move
 from budget.references.records import Item
 from budget.report.blocks import Listing, Paragraph, Table
@@ -270,12 +271,15 @@ def test_changes_without_effect_are_counted():
 
 
 @pytest.mark.parametrize(
-    ("quantity", "pair"),
-    [("standard_uncertainty", ("2.00", "≥ 2.50")), ("conformance", ("2.00", "≤ 2.50"))],
+    ("after", "pair"),
+    [
+        (Known.at_least(2.5), ("2.00", "≥ 2.50")),
+        (Known.at_least(2.5).falling, ("2.00", "≤ 2.50")),
+    ],
 )
-def test_a_lower_bound_is_marked(quantity, pair):
+def test_a_bound_is_marked(after, pair):
     """Where a line lacks, u is this or more, and a conformance this or less."""
-    one = move(quantity=quantity, after=2.5, bounds=(False, True))
+    one = move(after=after)
     (row,) = rows_of([one])
     assert row[2:4] == pair
     marked, plain = (sections_of(moves)[1] for moves in ([one], [move()]))
