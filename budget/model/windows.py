@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import ceil, cos, isclose, pi, sin
 from typing import TYPE_CHECKING
 
@@ -97,8 +97,12 @@ class Setting:
     @property
     def to_body(self) -> Array:
         """Matrix from east-north-up to body axes, shape (3, 3), mean over the turn."""
-        x, y, z = (self._back(axis) for axis in range(3))
-        return np.asarray(x @ y @ z)
+        return _to_body(self)
+
+    @property
+    def around(self) -> Array:
+        """The same at POINTS angles spread evenly over a whole turn, (POINTS, 3, 3)."""
+        return _around(self)
 
     def between(self, first: int, last: int) -> Array:
         """Matrix from the frame after `first` axes to that after `last`, (3, 3), mean.
@@ -108,7 +112,7 @@ class Setting:
         """
         matrix = np.eye(3)
         for axis in CHAIN[first:last]:
-            matrix = self._back(axis) @ matrix
+            matrix = self.back(axis) @ matrix
         return matrix
 
     def turn_axis_after(self, number: int) -> Array:
@@ -131,11 +135,32 @@ class Setting:
         """Outer, middle and inner angle, where it stands or the turn begins [rad]."""
         return self.outer, self.middle, self.inner
 
-    def _back(self, axis: int) -> Array:
+    def back(self, axis: int) -> Array:
         """Return the transposed rotation about one axis, mean over the turn."""
         start = (self.inner, self.middle, self.outer)[axis]
         turn = self.angle if axis == self.turning else 0.0
         return _mean_rotation(axis, start, turn).T
+
+
+# Of longer tests, and of the devices of a comparison, the settings are the same.
+@lru_cache(maxsize=2048)
+def _to_body(setting: Setting) -> Array:
+    """Return the mean matrix of a setting, shape (3, 3); it is kept, and read only."""
+    x, y, z = (setting.back(axis) for axis in range(3))
+    return _kept(x @ y @ z)
+
+
+@lru_cache(maxsize=2048)
+def _around(setting: Setting) -> Array:
+    """Return its matrices over a whole turn, shape (POINTS, 3, 3)."""
+    steps = (2.0 * pi * k / POINTS for k in range(POINTS))
+    return _kept(np.array([setting.after(step).to_body for step in steps]))
+
+
+def _kept(matrix: Array) -> Array:
+    """Return it as nobody can change it."""
+    matrix.setflags(write=False)
+    return matrix
 
 
 def _mean_rotation(axis: int, start: float, turn: float) -> Array:
@@ -350,13 +375,7 @@ class Schedule:
         """
         if not self.senses.any():
             return (self.to_body @ vector)[:, None]
-        steps = [2.0 * pi * k / POINTS for k in range(POINTS)]
-        return np.array(
-            [
-                [window.setting.after(step).to_body @ vector for step in steps]
-                for window in self.windows
-            ]
-        )
+        return np.array([window.setting.around for window in self.windows]) @ vector
 
     def pick(self, axis: int, sign: int) -> tuple[int, ...]:
         """Return the places of the windows that turn about, or hold up, that axis."""
