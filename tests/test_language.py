@@ -258,7 +258,7 @@ STAYING = re.compile(
     + "|".join(map(re.escape, NAMES))
     # Options, keys and their values, designations of types: they hold a mark
     # or a digit.
-    + r"|--[a-z-]+|\b[a-z]+(?:[._]+[a-z]+)+\b|`[\w: ]+`"
+    + r"|--[a-z-]+|\bbudget (?:analyze|station)\b|\b[a-z]+(?:[._]+[a-z]+)+\b|`[\w: ]+`"
     r"|\N{FULLWIDTH LEFT PARENTHESIS}[a-z_]+: [a-z]+|'\w+'"
     r"|\b(?=\w*-?\w*\d)[A-Z][\w-]*|\bMTi\b|\bDG\b"
     # A key of a file that changed, and its values.
