@@ -79,6 +79,7 @@ def numbers(value):
 
 
 @pytest.mark.parametrize("name", CALLS)
+@pytest.mark.slow
 def test_numbers_are_those_of_an_edited_file(name, edited):
     """A change on the call and one in the file are one change, to the bit."""
     words = CALLS[name]

@@ -56,6 +56,7 @@ def test_every_command_is_called_here():
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 @every_command
+@pytest.mark.slow
 def test_a_full_disk_behind_stdout(name, tmp_path):
     """Exit 2 and a message: what was printed did not arrive."""
     start = runner(name, cold={"analyze", "help"}, warm=run_rehearsed)

@@ -119,6 +119,7 @@ def test_a_page_has_the_document_and_its_numbers(made):
         assert lost == []
 
 
+@pytest.mark.slow
 def test_a_pdf_has_two_to_four_sheets(made, tmp_path):
     """The headline stands on the first, and is that of the HTML page."""
     _, folder, _, _ = made

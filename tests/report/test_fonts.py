@@ -159,6 +159,7 @@ def test_a_file_that_is_no_font_is_passed_over(tmp_path):
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.slow
 def test_no_text_stops_typst(seed):
     """Random characters of all scripts, with random marks, make a PDF."""
     characters = [

@@ -83,6 +83,7 @@ def test_a_changed_line_retunes(factor, u):
     assert row.standard_uncertainty < horizontal(model().evaluate({WALK: factor}))
 
 
+@pytest.mark.slow
 def test_each_unit_of_a_comparison_has_its_own_filter():
     """The largest error of each is what it has alone; the better one is first."""
     found = compare(
@@ -104,6 +105,7 @@ def test_each_unit_of_a_comparison_has_its_own_filter():
 
 
 @pytest.mark.parametrize("mission", ["g1", "g5"])
+@pytest.mark.slow
 def test_trials_agree_with_the_law(mission):
     """Of the optimal filter and of one of its own, within 4 standard errors.
 
@@ -178,6 +180,7 @@ def test_a_mission_that_is_aided_to_its_end_says_so_beside_its_verdict():
 
 
 @pytest.mark.parametrize(("mission", "at"), [("g4", "660 s"), ("g1", "600 s")])
+@pytest.mark.slow
 def test_what_a_verdict_owes_to_aids_stands_beside_it_in_every_command(mission, at):
     """A filter that is too sure, and a limit while aids are there; once each."""
     kind, words = {

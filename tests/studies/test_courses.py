@@ -171,6 +171,7 @@ def test_an_allocation_of_a_coefficient_meets():
 
 
 @pytest.mark.parametrize("aided", [False, True])
+@pytest.mark.slow
 def test_trials_agree_with_the_law(aided):
     """Within 4 standard errors; control: not with the law of 1.5 times as much."""
     settings = Settings(

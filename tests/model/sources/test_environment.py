@@ -246,6 +246,7 @@ def correlations(covariance):
     return (covariance / np.outer(u, u))[:12, 12:]
 
 
+@pytest.mark.slow
 def test_both_triads_share_the_random_temperature():
     """Correlations of the triads agree; without a common history they would be 0."""
     exact = correlations(law_of_random().covariance)

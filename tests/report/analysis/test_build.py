@@ -110,6 +110,7 @@ def test_page_one_answers_first():
         assert names(report)[:2] == ["overview", "gaps"]
 
 
+@pytest.mark.slow
 def test_every_section_of_a_full_report_is_there():
     """Inputs to provenance stand in the order in which a reviewer asks for them."""
     assert names(failing()) == [

@@ -449,6 +449,7 @@ def test_what_an_own_filter_believes_stands_beside_what_is_true():
     assert "filter-believed" not in optimal
 
 
+@pytest.mark.slow
 def test_the_method_says_the_filter_where_there_is_one():
     """Its equations, and whose they are."""
     said = [

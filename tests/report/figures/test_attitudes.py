@@ -100,6 +100,7 @@ def test_it_says_what_is_up_and_what_turns():
 
 
 @pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.slow
 def test_its_texts_stand_apart(name):
     """None is cut, and none lies on another one."""
     figure = positions_plot(positions(name)).figure
