@@ -35,6 +35,29 @@ ROUNDING = 1e-10  # [1], relative to the product of the two standard uncertainti
 LEAST_U, MOST_U = 1e-76, 1e76
 
 
+@dataclass(frozen=True, kw_only=True)
+class Scale:
+    """What standard uncertainties from few readings have in common: their error.
+
+    The true ones are those given times sqrt(v / chi^2_v), of v degrees of freedom: with
+    that normal inputs are a joint Student t (JCGM 101:2008, 6.4.9).
+
+    Attributes
+    ----------
+    degrees_of_freedom : float
+        v [1].
+    rows : tuple of int
+        Inputs of the group that it is of.
+    """
+
+    degrees_of_freedom: float
+    rows: tuple[int, ...]
+
+    def of(self, chi_squared: Array) -> Array:
+        """Return sqrt(v / chi^2_v), same shape [1]."""
+        return np.asarray(np.sqrt(self.degrees_of_freedom / chi_squared))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Group:
     """Input quantities that belong to one source and are drawn together.
@@ -52,6 +75,8 @@ class Group:
     pool : str
         Groups of one pool enter the function as the sum of their rows and in no other
         way; '' of a group that enters on its own.
+    scales : tuple of Scale
+        Of standard uncertainties from few readings.
 
     Raises
     ------
@@ -65,6 +90,7 @@ class Group:
     covariance: Array
     distributions: tuple[Distribution, ...]
     pool: str = ""
+    scales: tuple[Scale, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the group once, where it enters."""
@@ -168,6 +194,7 @@ class Group:
         covariance: Array,
         distributions: tuple[Distribution, ...],
         pool: str = "",
+        scales: tuple[Scale, ...] = (),
     ) -> Group:
         """Make a group of what is known to fit, and is nobody else's: unchecked."""
         for array in (mean, covariance):
@@ -179,6 +206,7 @@ class Group:
             covariance=covariance,
             distributions=distributions,
             pool=pool,
+            scales=scales,
         )
         return self
 
@@ -400,7 +428,11 @@ class Problem:
         groups: list[Group] = []
         for key in dict.fromkeys(group.pool or group.name for group in self.groups):
             members = [g for g in self.groups if (g.pool or g.name) == key]
-            normal = [g for g in members if all(d == NORMAL for d in g.distributions)]
+            normal = [
+                g
+                for g in members
+                if all(d == NORMAL for d in g.distributions) and not g.scales
+            ]
             if len(normal) < 2:  # noqa: PLR2004 - nothing to add up
                 groups.extend(members)
                 continue

@@ -723,6 +723,7 @@ def _told(line: ErrorLine) -> tuple[Hashable, ...]:
         line.form,
         line.distributions,
         line.u.tobytes(),
+        line.degrees_of_freedom,
         None if times is None else times.tobytes(),
     )
 

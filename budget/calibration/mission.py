@@ -419,11 +419,19 @@ def _carried_on(group: Group, in_run: Array | None, m: int) -> Group:
     covariance[: group.size, : group.size] = group.covariance
     if in_run is not None:
         covariance[group.size :, group.size :] = in_run
+    added = tuple(range(group.size, n))
+    scales = group.scales
+    if len(scales) == 1:
+        scales = (replace(scales[0], rows=(*scales[0].rows, *added)),)
+    elif scales:  # in run its axes are one error: as sure as the least sure of them
+        least = min(scales, key=lambda one: one.degrees_of_freedom)
+        scales = (*scales, replace(least, rows=added))
     return replace(
         group,
         mean=np.zeros(n),
         covariance=covariance,
         distributions=(NORMAL,) * n,
+        scales=scales,
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
+from math import inf, isfinite
 from operator import add
 from typing import TYPE_CHECKING
 
@@ -45,11 +46,13 @@ from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.model.sources.outside import watched
 from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
-from budget.problem import Group, Output, Problem, arguments
+from budget.problem import Group, Output, Problem, Scale, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+
+    from numpy.typing import NDArray
 
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
@@ -391,6 +394,7 @@ class _Row:
                 covariance=covariance,
                 distributions=(NORMAL,) * n,
                 pool=f"{self.owner}.noise",
+                scales=scales_of(self.owner, given, n),
             )
         times = 1 + (reference == "next_turn_on" and self.is_new)
         if isinstance(effect, Disturbance):
@@ -402,6 +406,7 @@ class _Row:
                     mean=np.zeros(n),
                     covariance=joint * included,
                     distributions=(NORMAL,) * n,
+                    scales=scales_of(self.owner, given, n),
                 )
             own = triads.get(self.owner) or next(filter(_is_tested, triads.values()))
             times = effect.size(given, own.scheme) // given.u.size
@@ -411,11 +416,13 @@ class _Row:
                     f"{MOST_INPUTS} at the most can be propagated; leave it out, or "
                     "give one with fewer windows"
                 )
-        return Group.independent(
+        found = Group.independent(
             name,
             u=np.tile(given.u * included, times),
             distribution=given.distributions * times,
         )
+        scales = scales_of(self.owner, given, found.size)
+        return replace(found, scales=scales) if scales else found
 
     @property
     def is_new(self) -> bool:
@@ -441,6 +448,34 @@ def _noise_covariance(
             process, axis, triad.scheme.schedule
         )
     return covariance
+
+
+def scales_of(owner: str, given: Given, size: int) -> tuple[Scale, ...]:
+    """Return what few readings leave open of so many inputs of a line.
+
+    One figure of all axes is off as a whole. Of inputs that no one axis has it is that
+    of the axis with the fewest readings.
+    """
+    every = given.degrees_of_freedom
+    if min(every, default=inf) == inf:
+        return ()
+    axes = axes_of_inputs(owner, given, size)
+    if len(every) == 1 or axes is None:
+        return (Scale(degrees_of_freedom=min(every), rows=tuple(range(size))),)
+    return tuple(
+        Scale(degrees_of_freedom=v, rows=tuple(np.flatnonzero(axes == axis).tolist()))
+        for axis, v in enumerate(every)
+        if isfinite(v)
+    )
+
+
+def axes_of_inputs(owner: str, line: Given, n: int) -> NDArray[np.intp] | None:
+    """Return the axis of the line that each of n inputs is of; None: of no one."""
+    if isinstance(source_of(owner, line.name).meant(line).effect, Noise):
+        found = np.empty(n, dtype=np.intp)
+        found[_statistics_order(n // 3)] = np.arange(3)[:, None]
+        return found
+    return None if n % line.u.size else np.arange(n) % line.u.size
 
 
 def line_u_of_inputs(owner: str, line: Given, group: Group) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from math import isfinite, pi, sin, sqrt
+from math import inf, isfinite, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
@@ -95,7 +95,7 @@ FLOOR = "allan_minimum"  # definition of a value: the lowest point of the Allan 
 STATED = frozenset(
     {
         *("meaning", "distribution", "definition", "correlation_time", "density"),
-        "averaging_time",
+        *("averaging_time", "degrees_of_freedom"),
     }
 )
 
@@ -150,6 +150,10 @@ class SpecificationValue(Keyed):
             usual="1 sigma",
         ),
         "distribution": KeyRow(OWN),
+        "degrees_of_freedom": KeyRow(
+            number(1, is_whole=False),
+            "of its standard uncertainty: n - 1 of a scatter of n; unset: it is known",
+        ),
         "includes": KeyRow(TEXT, "what the value contains"),
         "horizon": KeyRow(TEXT, "over what time it is given"),
         "condition": KeyRow(TEXT, "under what condition"),
@@ -162,6 +166,18 @@ class SpecificationValue(Keyed):
             "found 'exact' with {some_size!r}, expected it of 0 alone: an error of "
             "some size has a spread; say which, as 1 sigma, or put a known offset "
             "under nominal",
+        ),
+        Rule(
+            "degrees_of_freedom",
+            lambda it: (
+                it.degrees_of_freedom
+                and (
+                    it.meaning in {*HALF_WIDTHS, EXACT}
+                    or it.distribution not in {None, NORMAL.name}
+                )
+            ),
+            "are of the standard uncertainty of a normal error, expected a sigma "
+            "meaning and no other distribution; remove them, or say that",
         ),
     )
 
@@ -883,6 +899,7 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         * WALK_PER_DENSITY[axes[0].density]
         * form["factor"],
         low_cut=np.full(len(axes), form["low_cut"]) if "low_cut" in form else None,
+        degrees_of_freedom=_degrees_of_freedom(part, [a.part for a in axes]),
         form=form.get("form", ""),
         horizons=form.get("horizons", ()),
         factor=form["factor"],
@@ -900,6 +917,16 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
         source=say([a.part.source or "" for a in axes]),
     )
     return ReadValue(line=taken, assumptions=tuple(dict.fromkeys(assumptions)))
+
+
+def _degrees_of_freedom(
+    line: SpecificationValue, axes: list[SpecificationValue]
+) -> tuple[float, ...]:
+    """Return them as a line has them: of one value for all axes one."""
+    each = tuple(float(one.degrees_of_freedom or inf) for one in axes)
+    if min(each) == inf:
+        return ()
+    return each if line.by_axis else each[:1]
 
 
 def _usual(key: Key) -> str:

@@ -72,6 +72,11 @@ def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
         z = np.empty(x.shape)
         _draw_unit(group, stream(seed, group.name, block), z)
         group.deviations(z, out=x)
+        for place, scale in enumerate(group.scales):
+            v = scale.degrees_of_freedom
+            rng = stream(seed, f"{group.name}, scale {place}", block)
+            chi_squared = 2.0 * rng.standard_gamma(v / 2.0, (1, x.shape[1]))
+            x[list(scale.rows)] *= scale.of(chi_squared)
         if group.mean.any():
             x += group.mean[:, None]
     return out

@@ -138,8 +138,11 @@ class Propagation:
 
         # A whole number of degrees of freedom must not fall short of it by rounding.
         v = np.where(known, 1.0, self.degrees_of_freedom) * (1.0 + ROUNDING)
-        whole = np.floor(v)
-        return np.asarray(np.where(known, normal, stdtrit(np.maximum(whole, 1.0), p)))
+        k = stdtrit(np.maximum(np.floor(v), 1.0), p)
+        if self.legs.size:  # a radius grows as k does
+            usual = np.array([NormalDist().inv_cdf(one) for one in p[first:].tolist()])
+            k[first:] *= normal[first:] / usual
+        return np.asarray(np.where(known, normal, k))
 
     def probability_of_length(self, place: int, radius: float) -> float:
         """Return the probability that a length is within a radius [1].
@@ -449,13 +452,23 @@ def _with_lengths(law: Propagation, legs: NDArray[np.intp]) -> Propagation:
 def _effective_degrees_of_freedom(
     problem: Problem, C: Array, first_order: Array
 ) -> Array:
-    """Return the Welch-Satterthwaite formula, shape (n_out,): (G.2b)."""
+    """Return the Welch-Satterthwaite formula, shape (n_out,): (G.2b).
+
+    What one scale is of is one term: it is off as a whole.
+    """
     few = [_few(group.distributions) for group in problem.groups]
-    if not any(one.any() for one in few):
+    scales = any(group.scales for group in problem.groups)
+    if not (scales or any(one.any() for one in few)):
         return np.full(len(C), np.inf)
     over_v = np.concatenate(few)
     u = np.sqrt(np.concatenate([np.diag(g.covariance) for g in problem.groups]))
     parts = ((C * u) ** 4 * over_v).sum(axis=1)
+    for group, rows in zip(problem.groups, problem.slices, strict=True):
+        for scale in group.scales:
+            own = list(scale.rows)
+            c, U_x = C[:, rows][:, own], group.covariance[np.ix_(own, own)]
+            variance = np.einsum("ki,ij,kj->k", c, U_x, c)
+            parts += variance**2 / scale.degrees_of_freedom
     combined = np.diag(first_order) ** 2
     is_few = parts > 0.0
     return np.where(is_few, combined / np.where(is_few, parts, 1.0), np.inf)

@@ -214,7 +214,7 @@ def _control_variate(
         isinf(shape.degrees_of_freedom) and isfinite(shape.kurtosis)
         for group in problem.groups
         for shape in group.distributions
-    ):
+    ) or any(group.scales for group in problem.groups):
         return None, (
             "no control variate: the law does not count the variance that is drawn"
         )
@@ -265,7 +265,7 @@ def _estimate(
     """Draw the points, evaluate A, B and the mixed ones, apply the estimators."""
     from scipy.stats import qmc
 
-    k = problem.n_inputs
+    k = problem.n_inputs + sum(len(group.scales) for group in problem.groups)
     stream = np.random.SeedSequence(draws.seed, spawn_key=(scramble,))
     engine = qmc.Sobol(2 * k, scramble=True, seed=np.random.default_rng(stream))
     points = engine.random(draws.samples).T
@@ -329,12 +329,19 @@ def _variance(a: Array, b: Array) -> Array:
 
 
 def _inputs(problem: Problem, points: Array) -> Array:
-    """Map points of the unit cube, shape (n_inputs, N), to inputs [SI]."""
-    x = np.clip(points, EDGE, 1.0 - EDGE)
+    """Map points of the unit cube to inputs [SI]; those of scales are the last rows."""
+    from scipy.special import chdtri
+
+    points = np.clip(points, EDGE, 1.0 - EDGE)
+    x, of_scales = points[: problem.n_inputs], iter(points[problem.n_inputs :])
     for group, rows in zip(problem.groups, problem.slices, strict=True):
         for row, shape in zip(x[rows], group.drawn, strict=True):
             row[:] = shape.quantile(row)
-        x[rows] = group.deviations(x[rows]) + group.mean[:, None]
+        dx = group.deviations(x[rows])
+        for scale in group.scales:
+            v = scale.degrees_of_freedom
+            dx[list(scale.rows)] *= scale.of(chdtri(v, next(of_scales)))
+        x[rows] = dx + group.mean[:, None]
     return x
 
 

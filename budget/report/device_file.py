@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -120,11 +121,20 @@ def _figure(line: ErrorLine, gravity: float, mark: str) -> str:
     times = [""] * line.u.size
     if line.correlation_time is not None:
         times = [_quantity(float(time), "s") for time in line.correlation_time]
+    few = line.degrees_of_freedom or (inf,)
     own = [
-        _given(distribution="" if shape == NORMAL.name else shape, correlation_time=at)
-        for shape, at in zip(shapes, times, strict=True)
+        _given(
+            distribution="" if shape == NORMAL.name else shape,
+            correlation_time=at,
+            degrees_of_freedom=f"{v:.15g}" if isfinite(v) else "",
+        )
+        for shape, at, v in zip(
+            shapes, times, np.broadcast_to(few, line.u.shape).tolist(), strict=True
+        )
     ]
-    common = own[0] if all(says == own[0] for says in own) else {}
+    # Of one figure of all axes they are of all together.
+    is_common = len(few) == 1 and all(says == own[0] for says in own)
+    common = own[0] if is_common else {}
     if common or not any(own):
         own = [{} for _ in own]
     says = _given(
@@ -221,6 +231,7 @@ def _line_says(line: ErrorLine) -> tuple[object, ...]:
         *(line.name, line.distributions, line.form, line.adds_to),
         *(line.density if line.readings else "", None if time is None else time.value),
         *(line.u, line.correlation_time, line.low_cut, np.array(line.horizons)),
+        np.array(line.degrees_of_freedom),
         np.array(list(line.own.values())),
         tuple((word, _line_says(one)) for word, one in line.readings),
     )

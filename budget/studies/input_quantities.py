@@ -15,6 +15,7 @@ of the sum of c_i r_ij c_j.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,7 +116,11 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
         divisor=None if own is None else own / reading,
         degrees_of_freedom=None
         if origin
-        else min(shape.degrees_of_freedom for shape in shapes),
+        else min(
+            *line.degrees_of_freedom,
+            *(shape.degrees_of_freedom for shape in shapes),
+            inf,
+        ),
         origin=origin,
         readings=len(line.readings),
     )
