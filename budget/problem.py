@@ -36,7 +36,7 @@ LEAST_U, MOST_U = 1e-76, 1e76
 
 
 @dataclass(frozen=True, kw_only=True)
-class Scale:
+class CommonScale:
     """What standard uncertainties from few readings have in common: their error.
 
     The true ones are those given times sqrt(v / chi^2_v), of v degrees of freedom: with
@@ -75,7 +75,7 @@ class Group:
     pool : str
         Groups of one pool enter the function as the sum of their rows and in no other
         way; '' of a group that enters on its own.
-    scales : tuple of Scale
+    scales : tuple of CommonScale
         Of standard uncertainties from few readings.
 
     Raises
@@ -90,7 +90,7 @@ class Group:
     covariance: Array
     distributions: tuple[Distribution, ...]
     pool: str = ""
-    scales: tuple[Scale, ...] = ()
+    scales: tuple[CommonScale, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the group once, where it enters."""
@@ -194,7 +194,7 @@ class Group:
         covariance: Array,
         distributions: tuple[Distribution, ...],
         pool: str = "",
-        scales: tuple[Scale, ...] = (),
+        scales: tuple[CommonScale, ...] = (),
     ) -> Group:
         """Make a group of what is known to fit, and is nobody else's: unchecked."""
         for array in (mean, covariance):

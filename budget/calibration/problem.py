@@ -46,7 +46,7 @@ from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.model.sources.outside import watched
 from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
-from budget.problem import Group, Output, Problem, Scale, arguments
+from budget.problem import CommonScale, Group, Output, Problem, arguments
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G, PPM, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -450,7 +450,7 @@ def _noise_covariance(
     return covariance
 
 
-def scales_of(owner: str, given: Given, size: int) -> tuple[Scale, ...]:
+def scales_of(owner: str, given: Given, size: int) -> tuple[CommonScale, ...]:
     """Return what few readings leave open of so many inputs of a line.
 
     One figure of all axes is off as a whole. Of inputs that no one axis has it is that
@@ -461,9 +461,11 @@ def scales_of(owner: str, given: Given, size: int) -> tuple[Scale, ...]:
         return ()
     axes = axes_of_inputs(owner, given, size)
     if len(every) == 1 or axes is None:
-        return (Scale(degrees_of_freedom=min(every), rows=tuple(range(size))),)
+        return (CommonScale(degrees_of_freedom=min(every), rows=tuple(range(size))),)
     return tuple(
-        Scale(degrees_of_freedom=v, rows=tuple(np.flatnonzero(axes == axis).tolist()))
+        CommonScale(
+            degrees_of_freedom=v, rows=tuple(np.flatnonzero(axes == axis).tolist())
+        )
         for axis, v in enumerate(every)
         if isfinite(v)
     )
@@ -650,7 +652,7 @@ class TriadCalibration:
     def count(self, x: Array, found: Errors) -> list[Array]:
         """Return the errors against the reference, rows (n, trials) after one another.
 
-        Scale factors [1], mounting angles [rad], biases [unit of the input].
+        CommonScale factors [1], mounting angles [rad], biases [unit of the input].
         """
         # Error = (calibrated - true during the test) + (that - reference); relative
         # errors of the scale factor multiply: (1 + r)(1 + e) - 1.

@@ -47,9 +47,9 @@ ROUNDING = 1e-12  # of doubles, over the sums of a problem [1]
 def end_accuracy(problem: Problem, law: Propagation, coverage: float | Array) -> Array:
     """Estimate by how much the true interval ends can differ from the law's.
 
-    Shape (n_out,) [SI unit of the output]; infinite where an input has few degrees of
-    freedom, whose k is a convention and no quantile of the output. The coverage is that
-    of all, or of each output.
+    Shape (n_out,) [SI unit of the output]. Where inputs have few degrees of freedom k
+    is a convention and no quantile of the output: it can be off by what it is more than
+    the normal one, and that SAFETY times. The coverage is that of all, or of each.
     """
     z = normal_coverage_factor(coverage)
     u = law.standard_uncertainty
@@ -69,7 +69,15 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float | Array) ->
         radius = (law.coverage_factor(coverage) * u)[lengths]
         within = np.broadcast_to(z, found.shape)[lengths]
         found[lengths] = part / within * radius + np.hypot(*law.mean[law.legs])
-    return np.where(np.isinf(law.degrees_of_freedom), found, np.inf)
+    few = np.isfinite(law.degrees_of_freedom)
+    if few.any():
+        from scipy.special import stdtrit
+
+        p = (1.0 + np.broadcast_to(coverage, found.shape)[few]) / 2.0
+        normal = np.broadcast_to(z, found.shape)[few]
+        more = stdtrit(law.degrees_of_freedom[few], p) / normal - 1.0
+        found[few] += SAFETY * more * (law.coverage_factor(coverage) * u)[few]
+    return found
 
 
 def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:

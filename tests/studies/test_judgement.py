@@ -48,7 +48,7 @@ from budget.studies.judgement import (
 )
 from budget.studies.sweep import sweep
 from budget.studies.what_if import what_if
-from jcgm import student_t
+from jcgm import scaled_student_t
 
 K95 = float(ndtri(0.975))
 SEEDS = 300
@@ -185,10 +185,17 @@ def test_a_linear_normal_law_is_exact():
 
 
 def test_few_degrees_of_freedom_leave_the_law_unsure():
-    """A k of Student's t is a convention, no quantile of the output."""
-    group = Group.independent("x", u=1.0, distribution=student_t(5.0))
+    """A k of Student's t is a convention, no quantile of the output.
 
-    assert off(one_output(group))[0] == np.inf
+    By more than it is above the normal one: 2.571 - 1.960 of 5, next to none of many.
+    """
+
+    def of(v):
+        return Group.independent("x", u=1.0, distribution=scaled_student_t(v))
+
+    few, many = (off(one_output(of(v)))[0] for v in (5.0, 1e6))
+    assert few > 2.0 * (2.571 - 1.960)
+    assert 0.0 < many < 1e-5
 
 
 # Which interval, and how many trials
