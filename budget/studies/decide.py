@@ -12,13 +12,18 @@ from budget.inputs import load_procedure, load_requirement
 from budget.inputs.load import load_devices, several
 from budget.inputs.records import FACTORY
 from budget.model.sources.later import AGEING
-from budget.names import IMU, MISSION
+from budget.names import MISSION
 from budget.results import VERDICTS, Study
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.allocation.allocate import allocate
 from budget.studies.allocation.longer_tests import AS_THEY_ARE
 from budget.studies.comparison.compare import check_names, compare
-from budget.studies.comparison.ranking import as_one, by_device, place_of
+from budget.studies.comparison.ranking import (
+    as_one,
+    by_device,
+    place_of,
+    shared_by_both,
+)
 from budget.studies.comparison.records import NUMBERED, Unit
 from budget.studies.stations import qualify
 from budget.studies.verdicts import FAILS, gravest
@@ -232,8 +237,8 @@ def decide(
         kept = tuple(each for each in again if each.goal == AS_THEY_ARE)
         return replace(own, recalibrations=kept)
 
-    is_shared = any(one.output.owner == IMU for one in wanted.limits)
-    purchases = [*map(further, _purchases(found, is_shared=is_shared))]
+    shared = shared_by_both(wanted.outputs)
+    purchases = [*map(further, _purchases(found, shared=shared))]
     first = found[0]
     return Decision(
         requirement=wanted.name,
@@ -251,9 +256,9 @@ def decide(
 def offers_of(comparison: Comparison) -> tuple[Unit, ...]:
     """Return a comparison device by device, best first under each procedure."""
     outputs = (row.output.name for one in comparison.devices for row in one.outputs)
-    is_shared = any(name.owner == IMU for name in outputs)
+    shared = shared_by_both(outputs)
     found = (
-        as_one(parts, is_shared=is_shared, order=comparison.procedures.index(procedure))
+        as_one(parts, shared=shared, order=comparison.procedures.index(procedure))
         for (procedure, _), parts in by_device(comparison.entrants).items()
     )
     return tuple(sorted(found, key=lambda one: (one.order, *_place(one))))
@@ -276,7 +281,9 @@ def _ages(device: Device) -> bool:
     return any(one.line(line) for one in device.sensors for line in AGEING.values())
 
 
-def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> Iterator[Purchase]:
+def _purchases(
+    found: Sequence[Comparison], *, shared: frozenset[str]
+) -> Iterator[Purchase]:
     """Gather what is said of each device after each calibration, best first."""
     required = tuple(dict.fromkeys(one for each in found for one in each.required))
     units = [
@@ -305,7 +312,7 @@ def _purchases(found: Sequence[Comparison], *, is_shared: bool) -> Iterator[Purc
             kind=kind,
             offers=tuple(
                 sorted(
-                    (as_one(parts, is_shared=is_shared, order=n) for n, parts in own),
+                    (as_one(parts, shared=shared, order=n) for n, parts in own),
                     key=_place,
                 )
             ),

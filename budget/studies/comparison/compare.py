@@ -28,7 +28,12 @@ from budget.studies.cautions import (
     of_no_vehicle,
 )
 from budget.studies.comparison.judging import judge_all
-from budget.studies.comparison.ranking import pair_up, rank_devices, rank_imus
+from budget.studies.comparison.ranking import (
+    pair_up,
+    rank_devices,
+    rank_imus,
+    shared_by_both,
+)
 from budget.studies.comparison.records import Comparison
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 
@@ -168,8 +173,8 @@ def compare(
         devices=ranked,
         nothing_known=tuple(one for one in findings if not one.is_judged),
         untested=tuple(owner for owner, is_tested in owners.items() if not is_tested),
-        imus=rank_imus(ranked, is_shared=bool(of_both)),
-        pairs=pair_up(ranked, is_shared=bool(of_both)) if pairs else (),
+        imus=rank_imus(ranked, shared=shared_by_both(wanted.outputs)),
+        pairs=pair_up(ranked, shared=shared_by_both(wanted.outputs)) if pairs else (),
         assumptions=(
             *(() if journey is None else journey.assumptions),
             *_aged(tests),

@@ -26,7 +26,11 @@ from budget.ties import settle
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from budget.names import Name
+
 R = TypeVar("R", Entrant, Unit)
+
+BOTH = (IMU, MISSION)  # owners of what is of both triads together
 
 
 def rank_devices(found: Iterable[Entrant]) -> tuple[Entrant, ...]:
@@ -135,31 +139,36 @@ def _ahead(one: Entrant | Unit, following: Entrant | Unit) -> Lead | None:
     return Lead(other=following.name, probability=probability_smaller(*ends))
 
 
-def pair_up(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Unit, ...]:
+def shared_by_both(outputs: Iterable[Name]) -> frozenset[str]:
+    """Return owners of outputs that are of both triads together."""
+    return frozenset(name.owner for name in outputs if name.owner in BOTH)
+
+
+def pair_up(rows: Sequence[Entrant], *, shared: frozenset[str]) -> tuple[Unit, ...]:
     """Pair every gyro with every accelerometer of the same procedure, best first.
 
-    Where limits `is_shared` by both nobody knows whether those of two devices meet.
+    Whether two devices meet limits that are `shared` by both nobody knows.
     """
-    whole = {(row.procedure, row.place): row for row in rows if row.sensor == IMU}
+    devices = by_device(row for row in rows if row.sensor in BOTH)
     found = [
-        as_one((gyro, other, *own), is_shared=is_shared)
+        as_one((gyro, other, *own), shared=shared)
         for gyro in rows
         if gyro.sensor == GYRO
-        for shared in [whole.get((gyro.procedure, gyro.place))]
         for other in rows
         if other.sensor == ACCELEROMETER and other.procedure == gyro.procedure
-        for own in [[shared] if gyro.place == other.place and shared else []]
+        for whole in [devices.get((gyro.procedure, gyro.place), [])]
+        for own in [whole if gyro.place == other.place else []]
     ]
     return tuple(sorted(found, key=place_of))
 
 
-def rank_imus(rows: Sequence[Entrant], *, is_shared: bool) -> tuple[Unit, ...]:
+def rank_imus(rows: Sequence[Entrant], *, shared: frozenset[str]) -> tuple[Unit, ...]:
     """Rank the devices of which both sensors are judged, under each procedure."""
     lists: dict[str, list[Unit]] = {}
     for (procedure, _), parts in by_device(rows).items():
-        own = [one for kind in (*SENSORS, IMU) for one in parts if one.sensor == kind]
+        own = [one for kind in (*SENSORS, *BOTH) for one in parts if one.sensor == kind]
         if len(own) > 1 or any(one.sensor == IMU for one in own):
-            lists.setdefault(procedure, []).append(as_one(own, is_shared=is_shared))
+            lists.setdefault(procedure, []).append(as_one(own, shared=shared))
     return tuple(one for found in lists.values() for one in rank(found))
 
 
@@ -171,29 +180,29 @@ def by_device(rows: Iterable[Entrant]) -> dict[tuple[str, int], list[Entrant]]:
     return found
 
 
-def as_one(parts: Sequence[Entrant], *, is_shared: bool, order: int = 0) -> Unit:
+def as_one(parts: Sequence[Entrant], *, shared: frozenset[str], order: int = 0) -> Unit:
     """Put parts together: triads as one, counted in the same trials, then the mission.
 
-    The gravest verdict, the largest utilisation, the missing lines of all. Where limits
-    `is_shared` by both triads nobody knows whether those of two devices meet.
+    The gravest verdict, the largest utilisation, the missing lines of all. Limits that
+    are `shared` by both triads are met by what is judged of both, and else undecidable.
     """
     triads = [one for one in parts if one.sensor != MISSION]
     is_counted = len(triads) > 1 and all(one.is_judged for one in parts)
     standings: list[Verdict] = [*parts]
     if is_counted:
         missions = [one for one in parts if one.sensor == MISSION]
-        standings = [_counted(triads, is_shared=is_shared), *missions]
+        standings = [_counted(triads), *missions]
     whole: Verdict = reduce(Verdict.beside, standings)
     own = {one.name: getattr(whole, one.name) for one in fields(Verdict)}
+    if len(triads) > 1 and not shared <= {one.sensor for one in parts}:
+        own["verdict"] = gravest((whole.verdict, UNDECIDABLE))
     return Unit(**own, parts=tuple(parts), order=order)
 
 
-def _counted(triads: Sequence[Entrant], *, is_shared: bool) -> Verdict:
+def _counted(triads: Sequence[Entrant]) -> Verdict:
     """Return the verdict on triads whose limits are counted in the same trials."""
     whole: Verdict = reduce(Verdict.beside, triads)
     verdict = whole.verdict
-    if is_shared and not any(one.sensor == IMU for one in triads):
-        verdict = gravest((verdict, UNDECIDABLE))
     judged = [one.judged for one in triads if one.judged is not None]
     all_of, needed = together(judged), judged[0].together
     if needed is not None and all_of.value < needed and not whole.at_medians:

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import budget
-from budget.names import IMU
+from budget.names import IMU, MISSION
 from budget.studies.comparison.compare import compare
 
 ALONE: dict[str, Any] = {}
@@ -134,3 +134,40 @@ def test_every_row_of_the_catalogue_has_conditions_or_an_ask():
             if one.verdict != "undecided":  # it may be on conditions, too
                 open_ = one.verdict in {"undecidable", "meets_if"}
                 assert bool(one.conditions) == open_
+
+
+DRONE = {
+    "name": "drone",
+    "environment": "none",
+    "limits": {
+        "mission": {"position": {"horizontal": "2 m", "at": "660 s"}},
+        "gyro": {"bias": "200 deg/h"},
+        "accelerometer": {"bias": "200 mg"},
+    },
+}
+
+
+def test_a_mission_counts_in_the_verdict_on_a_device():
+    """Both triads meet, the mission fails: so does the device, as one and as a pair.
+
+    Of a gyro and an accelerometer of two devices nobody knows the mission.
+    """
+    found = compare(
+        ["hg4930#C", "stim300#10g"],
+        DRONE,
+        mission="outage-60-s-after-gnss",
+        method="gum",
+        pairs=True,
+    )
+    parts = {(one.sensor, one.name): one for one in found.devices}
+
+    assert {one.verdict for (kind, _), one in parts.items() if kind != MISSION} == {
+        "meets"
+    }
+    assert {one.verdict for one in found.imus} == {"fails"}
+    for unit in found.imus:
+        worst = parts[MISSION, unit.name]
+        assert unit.utilisation == worst.utilisation
+        assert unit.worst_outputs == worst.worst_outputs
+    own = {(one.gyro == one.accelerometer): one.verdict for one in found.pairs}
+    assert own == {True: "fails", False: "undecidable"}
