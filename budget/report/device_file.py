@@ -22,9 +22,11 @@ from budget.inputs.specification import (
     time_of,
 )
 from budget.inputs.tree import block, flow, quoted
+from budget.model.sources import GYRO
 from budget.units import (
     ARCSEC,
     DEG_PER_HOUR,
+    DEGREE,
     STANDARD_GRAVITY,
     WALK_PER_DENSITY,
     parse_quantity,
@@ -41,6 +43,7 @@ LONGEST_NOTES = 4000
 # On both sides of a size, for one who changes sizes. Texts are quoted, and quoting
 # escapes control characters: no text of a device can hold this one.
 MARK = "\x02"
+ROUNDED = 2e-15  # relative difference that a conversion of units leaves
 SAME = 1e-12  # relative difference of numbers that are the same, written and read back
 
 
@@ -81,7 +84,7 @@ def device_yaml(
 
 def _triad(
     sensor: Sensor, gravity: float, mark: str
-) -> list[tuple[str, list[tuple[str, str]]]]:
+) -> list[tuple[str, str | list[tuple[str, str]]]]:
     """Return what a device file says of one triad."""
     bias = ("deg/h", DEG_PER_HOUR) if sensor.kind == "gyro" else ("mg", 1e-3 * gravity)
     nominal = [
@@ -95,7 +98,13 @@ def _triad(
         *((line.name, _figure(line, gravity, mark)) for line in sensor.lines),
         *((line.name, _figure(line, gravity, "")) for line in sensor.initial),
     ]
-    return [("nominal", nominal), *([("errors", errors)] if errors else [])]
+    read = ("deg/s", DEGREE) if sensor.kind == GYRO else ("g", gravity)
+    reaches = [] if sensor.range is None else [_nominal(sensor.range, AXES, *read)]
+    return [
+        *(("range", one) for one in reaches),
+        ("nominal", nominal),
+        *([("errors", errors)] if errors else []),
+    ]
 
 
 def _figure(line: ErrorLine, gravity: float, mark: str) -> str:
@@ -218,7 +227,7 @@ def _triad_says(sensor: Sensor) -> tuple[object, ...]:
     """Return what of a triad decides a budget."""
     return (
         *(sensor.kind, sensor.nominal_bias, sensor.nominal_mounting_angle),
-        sensor.expected_missing,
+        *(sensor.range, sensor.expected_missing),
         tuple(map(_line_says, sensor.lines)),
         tuple(map(_line_says, sensor.initial)),
     )
@@ -256,5 +265,8 @@ def _nominal(values: Array, axes: tuple[str, ...], unit: str, size: float) -> st
 
 
 def _quantity(value: float, unit: str, mark: str = "") -> str:
-    """Write a quantity with all its digits, never as YAML would read otherwise."""
+    """Write a quantity, to what rounding leaves, never as YAML would read otherwise."""
+    short = float(f"{value:.13g}")
+    if abs(short - value) <= ROUNDED * abs(value):
+        value = short
     return f'"{mark}{value!r}{mark} {quoted(unit)[1:]}'

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+import re
+from math import radians
 from statistics import NormalDist
 
+import numpy as np
 import pytest
 from command_line import call, output
 from numpy.testing import assert_allclose
@@ -13,6 +16,7 @@ from places import put
 from reading import assert_says
 
 from budget.inputs import load_device
+from budget.resources import shipped
 from budget.studies.allocation import allocate
 from budget.studies.allocation.longer_tests import find_longer_tests
 
@@ -120,6 +124,29 @@ def test_the_written_device_meets_the_requirement(odd, tmp_path, strategy):
         assert_allclose(used, row["utilisation_allowed"], rtol=1e-8)
         binding += row["binding"]
     assert binding > 0
+
+
+def test_the_written_device_reads_as_far_as_the_maker_says(tmp_path):
+    """So one that a mission saturates does so when its lines are allocated, too.
+
+    A decimal stays one: 0.007, not 0.006999999999999999.
+    """
+    device, path = tmp_path / "slow.yaml", tmp_path / "allocated.yaml"
+    text = (shipped("specs") / "devices" / "zhao-2019.yaml").read_text("utf-8")
+    device.write_text(
+        text + "range: {gyro: 25 deg/s, accelerometer: {x: 3 g, y: 4 g, z: 7 g}}\n",
+        encoding="utf-8",
+    )
+    call("allocate", device, *FAST, "--write", path, code=0)
+    gyro, accelerometer = load_device(path).sensors
+
+    assert_allclose(gyro.range, np.full(3, radians(25.0)), rtol=1e-15)
+    assert_allclose(accelerometer.range, load_device(device).sensors[1].range)
+    written = path.read_text("utf-8")
+    assert "range:" in written
+    numbers = re.findall(r'"(-?[0-9.e+-]+) ', written)
+    assert numbers
+    assert max(map(len, numbers)) < len("0.006999999999999999")
 
 
 def test_the_written_device_keeps_what_was_not_allocated(odd, tmp_path):
