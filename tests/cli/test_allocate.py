@@ -144,9 +144,7 @@ def test_the_written_device_reads_as_far_as_the_maker_says(tmp_path):
     assert_allclose(accelerometer.range, load_device(device).sensors[1].range)
     written = path.read_text("utf-8")
     assert "range:" in written
-    numbers = re.findall(r'"(-?[0-9.e+-]+) ', written)
-    assert numbers
-    assert max(map(len, numbers)) < len("0.006999999999999999")
+    assert not re.search("99999999|00000000", written)
 
 
 def test_the_written_device_keeps_what_was_not_allocated(odd, tmp_path):
