@@ -268,7 +268,7 @@ STAYING = re.compile(
     r"|\b(?:deg|degC|arcsec|arcmin|nmi|CEP|DRMS|ppm|dps|mGal|ug|mg|sqrt|\u03bcrad|min|inf|inv|EUR|kg|rad|sigma)\b"
     # What is called so in Chinese as well, and words that stand as a file has them:
     # how a data sheet means a figure, how missing lines are filled, two keys.
-    r"|\b(?:JCGM|ANSI|NCSL|IEEE|GUM|IMU|JSON|CSV|max|typical|predict|worst|factory|height|station)\b"
+    r"|\b(?:JCGM|ANSI|NCSL|IEEE|GUM|IMU|JSON|CSV|TUR|max|typical|predict|worst|factory|height|station)\b"
 )
 
 

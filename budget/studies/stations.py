@@ -399,9 +399,9 @@ def qualify(
             "needed; add limits for it, or give another procedure"
         )
     case = _Case(question=question, limits=limits, ratio=ratio, guard=guard)
-    candidates = (
-        load_stations() if stations is None else tuple(map(load_station, stations))
-    )
+    given = load_stations() if stations is None else map(load_station, stations)
+    # One that is given again is one.
+    candidates = (*{(one.name, one.origin): one for one in given}.values(),)
     verdicts = _verdicts(case, candidates)
     probe = _probe(case)
     own = envelope(

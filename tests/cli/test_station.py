@@ -45,6 +45,12 @@ def test_some_station_does_and_the_code_is_0():
     assert_says(call(*TACTICAL).out, "good three-axis table will do", "4:1")
 
 
+def test_a_station_that_is_given_again_is_one():
+    """Beside those at hand, whether by its name or by its file."""
+    again = ("--station", "three-axis-table") * 2
+    assert call(*TACTICAL, *again).out == call(*TACTICAL).out
+
+
 def test_no_station_does_and_the_code_is_1():
     """At 4:1 of the navigation grade; the headline names the nearest and why."""
     run = call(*HARD, "--full", code=1)
