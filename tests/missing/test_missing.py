@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from command_line import call
 from keeping import catalogue
 from numpy.testing import assert_allclose
 from reading import on_terminal, section
@@ -226,7 +227,7 @@ def test_every_result_names_the_mode_and_the_lines(by_mode):
             assert "missing" not in document["settings"]
             continue
         assert f"--missing {mode}" in text
-        assert f"of other devices (those not given: {mode})" in text
+        assert f"of other devices in the place of those not given ({mode})" in text
         assert f"--missing {mode}" in said
         stands = {"worst": "at the worst", "typical": "at the median"}
         how = stands.get(mode, "as predicted")
@@ -336,3 +337,14 @@ def test_what_names_no_technology_is_told_so():
         ((*_, effect),) = rows_of(section(page, "missing"))
         assert reason in effect
         assert "nothing is known" in effect
+
+
+@pytest.mark.parametrize("mode", ["worst", "typical", "predict"])
+def test_a_headline_names_no_mode_where_nothing_was_put_in(mode):
+    """All that is expected is given: the verdict rests on nothing else."""
+    asked = ("analyze", "--requirement", "tactical-grade", "--no-validate")
+    whole = call(*asked, "zhao-2019", "--missing", mode).out
+    part = call(*asked, "adis16495-1", "--missing", mode).out
+
+    assert "with specifications not given" not in whole.partition("Each of")[0]
+    assert "with specifications not given" in " ".join(part.split())

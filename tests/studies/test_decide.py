@@ -359,3 +359,19 @@ def test_what_both_sheets_leave_open_is_said_once():
         "the effect of vibration and age",
         "accelerometer vibration rectification not given",
     )
+
+
+def test_what_is_predicted_says_how_and_how_likely(tmp_path):
+    """The mode stands beside the counts, the probability beside the word."""
+    device = put(
+        tmp_path / "part.yaml",
+        "name: part given\ntechnology: FOG\ngyro:\n  range: 300 deg/s\n  errors:\n"
+        "    bias_repeatability: 0.05 deg/h\n    angle_random_walk: 0.01 deg/sqrt(h)\n"
+        "    scale_factor_repeatability: 10 ppm\n",
+    )
+    asked = ("decide", "tactical-grade", device)
+    assert_says(
+        call(*asked, "--missing", "predict", code=1).out,
+        *("predicted 0.92", "verdicts that rest on them are probabilities"),
+    )
+    assert "PREDICTED" not in call(*asked, code=1).out.upper()
