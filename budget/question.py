@@ -890,8 +890,8 @@ def refuse_unjudged(
     kinds = [kind for kind in requirement.kinds if kind != MISSION]
     if kinds and procedure.formulas in UNCALIBRATED:
         raise CallError(
-            f"{requirement.origin.file}: {requirement.name} limits the residual error "
-            f"of {' and '.join(kinds)}, and {procedure.name} is no calibration; "
+            f"{requirement.origin.file}: {requirement.name} limits the error that a "
+            f"procedure leaves of {' and '.join(kinds)}, found {procedure.name}; "
             "give a procedure, or a requirement with limits on a mission only"
         )
 

@@ -153,7 +153,14 @@ def ask(kind: type[T], job: str, given: Mapping[str, Any]) -> T:
     found = rows(kind, job)
     values = {name: row.default for name, row in found.items()}
     for name, value in given.items():
-        values[name] = _many(name, value, found[name]) if found[name].several else value
+        row = found[name]
+        values[name] = (
+            _many(name, value, row)
+            if row.several
+            else row.read(value)  # as at a terminal
+            if row.read and isinstance(value, str)
+            else value
+        )
     return kind(**values)
 
 

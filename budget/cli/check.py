@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 
 EXIT_MOVED = 1
-EXIT_BAD_INPUT = 2
 SUFFIX = ".json"
 
 SchemaKind = Literal[
@@ -259,7 +258,7 @@ def _check(
         language=out.language,
     )
     if errors:
-        raise typer.Exit(EXIT_BAD_INPUT)
+        raise typer.Exit(options.EXIT_BAD_INPUT)
     if not all(one.holds for one in checks):
         raise typer.Exit(EXIT_MOVED)
 

@@ -9,10 +9,7 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.streams import talk
 from budget.settings import Asked, Engine, Inputs
-
-EXIT_BAD_INPUT = 2
 
 
 @options.asking("compare")
@@ -68,8 +65,8 @@ def compare(
     from budget.cli.computing import computing
     from budget.cli.output import check_files, hand_out, pages_asked
     from budget.documents import document
-    from budget.errors import CallError, SpecError
-    from budget.inputs.load import shipped_path, try_changed
+    from budget.errors import CallError
+    from budget.inputs.load import shipped_path
     from budget.missing import shipped_devices
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column, to_csv
@@ -83,8 +80,8 @@ def compare(
         raise CallError("--kind and --grade choose from the catalogue; add --catalogue")
     column = None if sort is None else find_column(sort)
     chosen = options.select_catalogue(kind, grade) if catalogue else ()
-    loaded, issues = try_changed(
-        [*(devices or ()), *map(shipped_path, chosen)], inputs.changes, variants=True
+    loaded, is_partial = options.load_units(
+        [*(devices or ()), *map(shipped_path, chosen)], inputs.changes, strict=strict
     )
     # What is named and ships too is compared once.
     loaded = list(
@@ -92,12 +89,6 @@ def compare(
         if catalogue
         else loaded
     )
-    if strict and issues:
-        raise SpecError(tuple(issues))
-    for issue in issues:
-        talk(str(issue))
-    if not loaded:
-        raise CallError("none of the device files can be read; mend them and try again")
 
     with computing(engine) as place:
         found = run(
@@ -122,7 +113,7 @@ def compare(
         pages=pages_asked(context, out, make),
         language=out.language,
     )
-    if issues:
-        raise typer.Exit(EXIT_BAD_INPUT)
+    if is_partial:
+        raise typer.Exit(options.EXIT_BAD_INPUT)
     if found.not_compared or not found.has(options.accepted(out.accept)):
         raise typer.Exit(options.EXIT_NOT_MET)

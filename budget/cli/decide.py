@@ -49,9 +49,9 @@ def decide(
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_files, hand_out, pages_asked
-    from budget.errors import CallError, SpecError
+    from budget.errors import CallError
     from budget.inputs import load_catalogue, load_requirement
-    from budget.inputs.load import shipped_path, try_changed
+    from budget.inputs.load import shipped_path
     from budget.report.decision import decision_answer, decision_document
     from budget.report.document import json_text, table_csv
     from budget.studies.decide import decide as run
@@ -61,9 +61,7 @@ def decide(
         raise CallError("--kind and --grade choose from the catalogue; name no device")
     wanted = load_requirement(requirement)
     names = devices or map(shipped_path, options.select_catalogue(kind, grade))
-    loaded, issues = try_changed([*names], inputs.changes, variants=True)
-    if issues:
-        raise SpecError(tuple(issues))
+    loaded, is_partial = options.load_units(names, inputs.changes)
     with computing(engine) as place:
         found = run(
             loaded,
@@ -83,5 +81,7 @@ def decide(
         pages=pages_asked(context, out, make),
         language=out.language,
     )
+    if is_partial:
+        raise typer.Exit(options.EXIT_BAD_INPUT)
     if found.not_compared or found.verdict not in options.accepted(out.accept):
         raise typer.Exit(options.EXIT_NOT_MET)

@@ -32,13 +32,15 @@ from budget.settings import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from budget.inputs.records import Device
     from budget.results import Assessment
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
 MEETS = "meets"  # the verdict whose exit code is always 0
-EXIT_NOT_MET = 1
+EXIT_NOT_MET, EXIT_BAD_INPUT = 1, 2
 
 
 class Kind(StrEnum):
@@ -467,6 +469,31 @@ def exit_by(assessment: Assessment | None, out: OutputFiles) -> None:
     )
     if out.exit_code and not is_met:
         raise typer.Exit(EXIT_NOT_MET)
+
+
+def load_units(
+    names: Iterable[str | Path], changes: Sequence[str], *, strict: bool = False
+) -> tuple[list[Device], bool]:
+    """Load what is compared, every variant; whether some could not be read, as is said.
+
+    Raises
+    ------
+    CallError
+        A change is none, or none of the devices can be read.
+    SpecError
+        With the issues of all files, where they are to be read `strict`.
+    """
+    from budget.errors import CallError, SpecError
+    from budget.inputs.load import try_changed
+
+    loaded, issues = try_changed([*names], changes, variants=True)
+    if strict and issues:
+        raise SpecError(tuple(issues))
+    for issue in issues:
+        talk(str(issue))
+    if not loaded:
+        raise CallError("none of the device files can be read; mend them and try again")
+    return [*loaded], bool(issues)
 
 
 def load_devices(names: list[str] | None, changes: Sequence[str]) -> tuple[Device, ...]:

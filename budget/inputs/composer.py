@@ -46,6 +46,9 @@ MOST_LEVELS = 20
 
 # Control characters, unpaired surrogates, line breaks that editors do not count, and
 # marks that reorder a line on the screen, so that it shows what it does not say.
+# In braces a comma ends a value: what of '0,007 deg/h' becomes a key.
+PART = re.compile(r"\.\d+(?:[eE][+-]?\d+)?(?: [^.]*)?$")
+DECIMAL = "of a decimal write a point (0.5, not 0,5); "
 UNSAFE = re.compile(
     "[^\t\n\r\x20-\x7e\xa0-\u2027\u202f-\u2065\u2070-\ud7ff\ue000-\ufefe"
     "\uff00-\ufffd\U00010000-\U0010ffff]"
@@ -144,7 +147,9 @@ class _Composer:
             if not written and not event.style:
                 at = key or at  # the parser marks what follows
             if value is None:
-                self.report(at, path, "is empty, expected a value; or remove the key")
+                more = DECIMAL if PART.search(path) else ""
+                text = f"is empty, expected a value; {more}or remove the key"
+                self.report(at, path, text)
             elif unsafe := UNSAFE.search(written):
                 self.report(at, path, forbid(unsafe[0]))
                 value = None

@@ -10,7 +10,7 @@ import numpy as np
 from budget.errors import CallError
 from budget.inputs import load_devices, load_requirement
 from budget.inputs.records import JOINT
-from budget.question import question_of
+from budget.question import question_of, refuse_unjudged
 from budget.results import Assessment, CapAssessment
 from budget.studies.ceilings import ceilings_of
 from budget.studies.figures_of_merit import is_within
@@ -120,6 +120,7 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
             )
         )
     if not verdicts:
+        refuse_unjudged(requirement, question.mission, question.procedure)
         raise CallError(
             f"{requirement.name} sets no limit for what is estimated of a sensor that "
             f"is there ({', '.join(sorted(kinds))}); add limits for it, or leave the "

@@ -628,3 +628,11 @@ def test_in_brief_nothing_is_hidden():
     assert_says(found.out, "Not given", "more could widen these errors")
     warned = call("analyze", "--no-validate", "--age", "1 year")
     assert "Cautions" in warned.out
+
+
+def test_limits_on_a_mission_alone_ask_for_one():
+    """A budget of a calibration has none: the words are those of a comparison."""
+    asked = ("zhao-2019", "--requirement", "survey-drone")
+    run = call("analyze", *asked, code=2)
+    assert "give one with --mission FILE" in run.err
+    assert call("compare", *asked, code=2).err.strip() in run.err

@@ -145,7 +145,7 @@ def test_limits_on_a_calibration_without_a_test_are_refused(command, files, tmp_
         code=2,
     )
     assert "gyro" in run.err
-    assert "no calibration" in run.err
+    assert "found calibration by the maker" in run.err
 
 
 @pytest.mark.parametrize("word", ["none", "factory"])

@@ -19,6 +19,7 @@ from numpy.testing import assert_allclose
 from places import ROOT, put
 
 import budget
+from budget.errors import CallError
 from budget.studies.decide import decide
 from budget.units import DEG_PER_HOUR
 
@@ -624,9 +625,12 @@ def test_an_export_is_the_file_of_the_target():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: budget.analyze("zhao-2019", coverage="95 %"), "coverage is '95 %'"),
+        (lambda: budget.analyze("zhao-2019", coverage="95 deg"), "'95 deg' is no prob"),
         (lambda: budget.analyze("zhao-2019", trials=1.5), "trials is 1.5, allowed"),
-        (lambda: budget.analyze("zhao-2019", trials="9"), "trials is '9', allowed"),
+        (
+            lambda: budget.analyze("zhao-2019", trials="few"),
+            "'few' is no number of trials",
+        ),
         (lambda: budget.analyze("zhao-2019", seed=None), "seed is None, allowed"),
         (lambda: budget.analyze("zhao-2019", only=[3]), "only has 3, expected names"),
         (lambda: budget.export("stim300#5g", to="kalibr", rate="1"), "rate is '1'"),
@@ -673,3 +677,11 @@ def test_an_argument_of_another_kind_is_said_in_words(option, value):
     """No error of Python's own, and no True taken for 1."""
     with pytest.raises(budget.CallError, match=f"{option} is {value}"):
         budget.analyze("zhao-2019", validate=False, **{option: value})
+
+
+def test_a_text_is_read_as_at_a_terminal():
+    """A probability in per cent; what is none is refused as there."""
+    found = budget.analyze("zhao-2019", validate=False, coverage="90 %")
+    assert found.settings.coverage == 0.9
+    with pytest.raises(CallError, match="'900 %' is no probability"):
+        budget.analyze("zhao-2019", coverage="900 %")

@@ -375,3 +375,16 @@ def test_what_is_predicted_says_how_and_how_likely(tmp_path):
         *("predicted 0.92", "verdicts that rest on them are probabilities"),
     )
     assert "PREDICTED" not in call(*asked, code=1).out.upper()
+
+
+def test_a_file_that_cannot_be_read_is_said_and_left_out(tmp_path):
+    """As by compare; the exit code is that of bad input."""
+    bad = put(
+        tmp_path / "comma.yaml",
+        "name: comma\ngyro: {errors: {bias_repeatability: {value: 0,007 deg/h}}}\n",
+    )
+    run = call("decide", "tactical-grade", bad, "zhao-2019", code=2)
+    assert "write a point (0.5, not 0,5)" in run.err
+    assert "BUY Zhao 2019" in run.out
+    other = call("compare", bad, "zhao-2019", "--requirement", "tactical-grade", code=2)
+    assert other.err == run.err
