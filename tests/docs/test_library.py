@@ -629,7 +629,7 @@ def test_an_export_is_the_file_of_the_target():
         (lambda: budget.analyze("zhao-2019", trials=1.5), "trials is 1.5, allowed"),
         (
             lambda: budget.analyze("zhao-2019", trials="few"),
-            "'few' is no number of trials",
+            "'few' is no number",
         ),
         (lambda: budget.analyze("zhao-2019", seed=None), "seed is None, allowed"),
         (lambda: budget.analyze("zhao-2019", only=[3]), "only has 3, expected names"),
