@@ -137,6 +137,10 @@ KINDS = (
     QuantityKind("a time", ("s", "min", "h", "day", "month", "year")),
     QuantityKind("a length", ("m", "km", "nmi", "ft")),
     QuantityKind("a frequency", ("Hz", "kHz")),
+    # Of lines of other packages: we have no model of a magnetic field.
+    QuantityKind("a magnetic flux density", ("gauss", "uT", "mT", "T")),
+    QuantityKind("a rate per magnetic flux density", ("deg/h/gauss", "deg/h/mT")),
+    QuantityKind("an acceleration per magnetic flux density", ("ug/gauss", "ug/mT")),
 )
 
 # What a name means: a number times powers of other names. Those without a meaning are
@@ -165,6 +169,8 @@ _BASES: dict[str, tuple[float, dict[str, float]] | None] = {
     "fps": (1.0, {"ft": 1.0, "s": -1.0}),
     "Gal": (1e-2, {"m": 1.0, "s": -2.0}),
     "g": (STANDARD_GRAVITY, {"m": 1.0, "s": -2.0}),  # or that of the place
+    "T": None,
+    "gauss": (1e-4, {"T": 1.0}),
     "percent": (1e-2, {}),
     "ppm": (PPM, {}),
 }
@@ -175,6 +181,7 @@ _PREFIXED = {
     "m": "kcmun",
     "dph": "m",
     "Hz": "k",
+    "T": "mun",
 }
 DEFINITIONS = _BASES | {
     prefix + base: (_PREFIXES[prefix], {base: 1.0})
@@ -194,6 +201,7 @@ ALIASES = {
     "yr": "year",
     "kt": "kn",
     "knots": "kn",
+    "Gauss": "gauss",
 }
 
 _SPELLINGS = str.maketrans(
@@ -470,6 +478,7 @@ def _explain_unit(
             return f"found {text!r}, {allowed}{advice}"
     plain = _plain(unit)
     meant = [u for u in AMBIGUOUS.get(plain, ()) if _fits(u, kind)]
+    names: list[str] = []
     if size is None:
         why = f"{unit!r} is no known unit"
     else:
@@ -484,7 +493,8 @@ def _explain_unit(
         advice = f"; did you mean {mended!r}?"
     else:
         part = plain.startswith(tuple(f"{u}/" for u in kind.units))
-        odd = why.endswith("does not fit")
+        # A magnetic field has no model of ours.
+        odd = size is not None and (not names or "T" in dict(size.dimension))
         foreign = size is None and (part or _FOREIGN.search(plain))
         if kind.of_ratio and size is not None and not size.dimension:
             return f"found {text!r}, {why}, {allowed}{kind.of_ratio}"

@@ -639,3 +639,14 @@ def test_a_part_of_pi_without_a_unit_is_likelier_in_radians(text, hint):
     with pytest.raises(UnitError) as caught:
         parse_quantity(text, "deg", bare="deg")
     assert str(caught.value).endswith(f"did you mean {hint}?")
+
+
+def test_a_field_has_units_for_lines_of_other_packages():
+    """1 gauss is 1e-4 T; a rate per field is no rate, and has its place as a figure."""
+    size = pi / 180.0 / 3600.0 / 1e-4
+    for text in ("0.5 deg/h/gauss", "0.5 °/h/Gauss", "5 deg/h/mT"):
+        assert_allclose(
+            parse_quantity(text, "deg/h/gauss").value, 0.5 * size, rtol=1e-14
+        )
+    with pytest.raises(UnitError, match="which is a rate per magnetic flux density"):
+        parse_quantity("0.5 deg/h/gauss", "deg/h")
