@@ -1,0 +1,299 @@
+"""Fit of noise models to block means: BIC, profile intervals, upper bounds.
+
+White noise N [unit sqrt(s)] alone, or with a random walk K [unit/sqrt(s)], with a
+first-order Gauss-Markov process sigma [unit], tau [s], or with flicker B [unit]: a sum
+of such processes of correlation times D 4^k, each of variance B^2 ln 4/pi
+(S(f) = B^2/(2 pi f) between them). Values are those of the largest restricted likelihood; an interval of a
+value ends where twice what its profile falls short is the quantile of chi-square with
+one degree of freedom (Wilks), and models are compared by BIC = -2 l + k ln n.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import exp, inf, log, pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.methods.restricted import BlockProcess, Restricted, restricted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from budget.arrays import Array
+
+WHITE, WALK, SIGMA, TIME, FLICKER = "N", "K", "sigma", "tau", "B"
+MODELS: Mapping[str, tuple[str, ...]] = {
+    "white": (),
+    "rw": (WALK,),
+    "gm": (SIGMA, TIME),
+    "flicker": (FLICKER,),
+    "gm+rw": (SIGMA, TIME, WALK),
+    "flicker+rw": (FLICKER, WALK),
+}
+RATIO = 4.0  # of the correlation times that make up flicker [1]
+LONGEST = 4.0  # of them, over the length of the record [1]
+SHAPE = log(RATIO) / pi  # variance of each, over B^2 [1]
+NOT_TOLD = 6.0  # of two models whose BIC differ by less, neither is told [1]
+AT_95, AT_68, ONE_SIDED_95 = 3.841458820694124, 0.9889464815, 2.705543454095404
+BELOW = 1e300  # in the place of a likelihood that is none
+STEPS = 40  # of a search for an end, at the most
+CLOSE = 1e-3  # of 2 l, in which an end may be off [1]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BlockMeans:
+    """What is fitted.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Means of blocks in their order; nan where one is missing [unit].
+    X : ndarray, shape (n, p)
+        What their mean is of: 1, and what is regressed on.
+    block, sample : float
+        Lengths of a block and of a sample [s].
+    """
+
+    y: Array
+    X: Array
+    block: float
+    sample: float
+
+    @property
+    def number(self) -> int:
+        """Blocks that are there."""
+        return int((~np.isnan(self.y)).sum())
+
+    @property
+    def duration(self) -> float:
+        """From the first block to the last [s]."""
+        return len(self.y) * self.block
+
+    def likelihood(self, values: Mapping[str, float]) -> Restricted | None:
+        """Return the restricted likelihood of a model with these values."""
+        D, processes, white = self.block, [], values[WHITE] ** 2 / self.block
+        if WALK in values:
+            processes.append(BlockProcess.walk(values[WALK], D))
+        if SIGMA in values:
+            processes.append(BlockProcess.markov(values[SIGMA], values[TIME], D))
+        if FLICKER in values:
+            own = values[FLICKER] * sqrt(SHAPE)
+            time = D / RATIO
+            while time >= self.sample:  # gone within a block: white
+                x = D / time
+                white += own**2 * 2.0 * (x - 1.0 + exp(-x)) / x**2
+                time /= RATIO
+            time = D
+            while time <= LONGEST * self.duration:
+                processes.append(BlockProcess.markov(own, time, D))
+                time *= RATIO
+        return restricted(self.y, self.X, processes, white)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NoiseFit:
+    """A model at its largest likelihood.
+
+    Attributes
+    ----------
+    model : str
+        Of MODELS.
+    values : mapping of str to float
+        By parameter.
+    log_likelihood, bic : float
+    mean, mean_uncertainty : ndarray, shape (p,)
+        Of what the mean is of, with standard uncertainties.
+    """
+
+    model: str
+    values: Mapping[str, float]
+    log_likelihood: float
+    bic: float
+    mean: Array
+    mean_uncertainty: Array
+    data: BlockMeans = field(repr=False)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names, N first."""
+        return (WHITE, *MODELS[self.model])
+
+
+def fit_noise(data: BlockMeans, model: str) -> NoiseFit:
+    """Return a model at its largest restricted likelihood.
+
+    The scale of all is found exactly, by generalised least squares; what else there is
+    by a search from the best of a grid.
+    """
+    names = MODELS[model]
+    D, T = data.block, data.duration
+    grids: dict[str, Array] = {
+        WALK: np.geomspace(0.01, 3.0, 7) / sqrt(D * 100.0),
+        SIGMA: np.geomspace(0.02, 1.5, 6) / sqrt(D),
+        TIME: np.geomspace(3.0 * D, max(T / 5.0, 10.0 * D), 7),
+        FLICKER: np.geomspace(0.02, 2.0, 8) / sqrt(D),
+    }
+
+    def relative(logs: Array) -> dict[str, float]:
+        return {WHITE: 1.0} | dict(zip(names, np.exp(logs).tolist(), strict=True))
+
+    def cost(logs: Array) -> float:
+        found = data.likelihood(relative(logs))
+        return BELOW if found is None else -found.profiled
+
+    best = np.empty(0)
+    if names:
+        points = np.log(
+            np.stack(np.meshgrid(*(grids[x] for x in names)), axis=-1).reshape(
+                -1, len(names)
+            )
+        )
+        if len(points) > 60:  # noqa: PLR2004 - of three parameters a third
+            points = points[::3]
+        best = _search(cost, min(points, key=cost))
+    found = data.likelihood(relative(best))
+    if found is None:
+        raise ArithmeticError("no noise model has a likelihood for this record")
+    size = sqrt(found.scale)
+    values = {
+        name: value if name == TIME else value * size
+        for name, value in relative(best).items()
+    }
+    k = len(values)
+    return NoiseFit(
+        model=model,
+        values=values,
+        log_likelihood=found.profiled,
+        bic=-2.0 * found.profiled + k * log(data.number),
+        mean=found.fit,
+        mean_uncertainty=np.sqrt(np.diag(found.covariance) * found.scale),
+        data=data,
+    )
+
+
+def fit_models(
+    data: BlockMeans, models: Sequence[str] = tuple(MODELS)
+) -> list[NoiseFit]:
+    """Return models by their BIC, the least first."""
+    return sorted((fit_noise(data, one) for one in models), key=lambda one: one.bic)
+
+
+def profile_interval(
+    fit: NoiseFit, name: str, quantile: float = AT_95
+) -> tuple[float, float]:
+    """Return the profile interval of a value; 0 or inf where it has no end."""
+    profile = Profile(fit, name)
+    return profile.end(-1, quantile), profile.end(1, quantile)
+
+
+def upper_bound(fit: NoiseFit, name: str, quantile: float = ONE_SIDED_95) -> float:
+    """Return the bound of a line beside a model that has it not, at 95 % [its unit].
+
+    From its value of the largest likelihood up, which is mostly 0.
+    """
+    D = fit.data.block
+    floor = fit.values[WHITE] * {WALK: 1e-4 / D, FLICKER: 1e-3 / sqrt(D)}[name]
+    with_it = Profile(fit, name, more=True)
+    start = log(floor)
+    top = max(-with_it.cost(start), fit.log_likelihood)
+    at, step, last = start, log(2.0), start
+    for _ in range(STEPS):
+        value = -with_it.cost(at)
+        top = max(top, value)
+        if 2.0 * (top - value) > quantile:
+            break
+        last, at = at, at + step
+    else:
+        return inf
+    for _ in range(STEPS):
+        middle = 0.5 * (last + at)
+        short = 2.0 * (top + with_it.cost(middle)) - quantile
+        last, at = (middle, at) if short < 0.0 else (last, middle)
+        if abs(short) < CLOSE or at - last < CLOSE:
+            break
+    return exp(0.5 * (last + at))
+
+
+class Profile:
+    """The likelihood of a model over the logarithm of one of its values."""
+
+    def __init__(self, fit: NoiseFit, name: str, *, more: bool = False) -> None:
+        """Begin at the largest likelihood; `more`: with a line that is not in it."""
+        self.fit, self.name = fit, name
+        values = dict(fit.values)
+        self.others = [one for one in values if one != name]
+        self.at = np.log([values[one] for one in self.others])
+        self.is_more = more
+
+    def cost(self, place: float) -> float:
+        """Return -l at the best of all others; the place is ln of the value."""
+
+        def of(logs: Array) -> float:
+            own = dict(zip(self.others, np.exp(logs).tolist(), strict=True))
+            found = self.fit.data.likelihood(own | {self.name: exp(place)})
+            return BELOW if found is None else -found.log_likelihood
+
+        best = _search(of, self.at, step=0.1)
+        value = of(best)
+        if value < BELOW:
+            self.at = best
+        return value
+
+    def end(self, side: int, quantile: float) -> float:
+        """Return where the profile is short by a quantile of 2 l, below or above."""
+        start, top = log(self.fit.values[self.name]), self.fit.log_likelihood
+        self.at = np.log([self.fit.values[one] for one in self.others])
+        # The signed root of twice what is short is nearly linear in the logarithm.
+        wanted = sqrt(quantile)
+        ends = [(0.0, start)]
+        step = 0.1
+        for _ in range(STEPS):
+            place = ends[-1][1] + side * step
+            short = 2.0 * (top + self.cost(place))
+            root = sqrt(max(short, 0.0)) if short < BELOW else inf
+            ends.append((root, place))
+            if root >= wanted:
+                break
+            if abs(place - start) > log(1e4):
+                return 0.0 if side < 0 else inf
+            gained = root - ends[-2][0]
+            step = (
+                min(max((wanted - root) * step / gained * 1.05, 0.3 * step), 3.0 * step)
+                if gained > 0.0
+                else 3.0 * step
+            )
+        (low, a), (high, b) = ends[-2:]
+        for _ in range(STEPS):
+            part = (wanted - low) / (high - low) if high < inf else 0.5
+            place = a + min(max(part, 0.02), 0.98) * (b - a)
+            short = 2.0 * (top + self.cost(place))
+            root = sqrt(max(short, 0.0)) if short < BELOW else inf
+            if abs(root**2 - quantile) < CLOSE or abs(b - a) < CLOSE:
+                return exp(place)
+            if root < wanted:
+                low, a = root, place
+            else:
+                high, b = root, place
+        return exp(0.5 * (a + b))
+
+
+def _search(
+    cost: Callable[[Array], float], start: Array, *, step: float = 0.3
+) -> Array:
+    """Return where a function of a few logarithms is least, by a simplex."""
+    from scipy.optimize import minimize
+
+    if not start.size:
+        return start
+    simplex = start + np.concatenate(
+        [np.zeros((1, start.size)), step * np.eye(start.size)]
+    )
+    found = minimize(
+        cost,
+        start,
+        method="Nelder-Mead",
+        options={"xatol": 1e-4, "fatol": 1e-5, "initial_simplex": simplex},
+    )
+    return np.asarray(found.x)

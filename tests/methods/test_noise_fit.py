@@ -1,0 +1,183 @@
+"""Noise models by the restricted likelihood of block means, held to dense algebra."""
+
+from __future__ import annotations
+
+from math import log, sqrt
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from budget.methods.noise_fit import (
+    BlockMeans,
+    fit_models,
+    fit_noise,
+    profile_interval,
+    upper_bound,
+)
+from budget.methods.restricted import BlockProcess, restricted
+
+BLOCK = 2.0  # [s]
+
+
+def markov(s, t, n):
+    """Return the covariance of block means of a Gauss-Markov process, by quadrature."""
+    x = BLOCK / t
+    lag = np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
+    C = (s * 2.0 * np.sinh(x / 2.0) / x) ** 2 * np.exp(-x * lag)
+    np.fill_diagonal(C, 2.0 * s**2 * (x - 1.0 + np.exp(-x)) / x**2)
+    return C
+
+
+def walk(K, n):
+    """Return that of a random walk from 0: K^2 times the means of min(t, t')."""
+    i = np.arange(n)
+    C = K**2 * BLOCK * (np.minimum.outer(i, i) + 0.5)
+    C[i, i] = K**2 * BLOCK * (i + 1.0 / 3.0)
+    return C
+
+
+def dense(y, X, V):
+    """Return log determinants and squares of the restricted likelihood, as defined."""
+    there = ~np.isnan(y)
+    V, y, X = V[np.ix_(there, there)], y[there], X[there]
+    inverse = np.linalg.inv(V)
+    information = X.T @ inverse @ X
+    b = np.linalg.solve(information, X.T @ inverse @ y)
+    r = y - X @ b
+    logs = np.linalg.slogdet(V)[1] + np.linalg.slogdet(information)[1]
+    return logs, r @ inverse @ r, b
+
+
+CASES = {
+    "white": ([], []),
+    "gm": ([(2.0, 30.0)], []),
+    "slow gm": ([(2.0, 2e3)], []),
+    "rw": ([], [0.5]),
+    "both": ([(2.0, 30.0)], [0.5]),
+    "many": ([(1.0, 2.0), (1.0, 8.0), (1.0, 32.0)], [0.3]),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_it_is_the_dense_likelihood(name):
+    """With missing blocks and a regressor, to the rounding of both."""
+    n, rng = 60, np.random.default_rng(1)
+    y = 3.0 * rng.standard_normal(n) + np.cumsum(rng.standard_normal(n))
+    y[[0, 7, 8, 21]] = np.nan
+    X = np.stack([np.ones(n), np.linspace(-1.0, 1.0, n)], axis=1)
+    stationary, walks = CASES[name]
+    V = 9.0 * np.eye(n)
+    V = V + sum((markov(s, t, n) for s, t in stationary), np.zeros((n, n)))
+    V = V + sum((walk(K, n) for K in walks), np.zeros((n, n)))
+    processes = [BlockProcess.markov(s, t, BLOCK) for s, t in stationary]
+    processes += [BlockProcess.walk(K, BLOCK) for K in walks]
+
+    found = restricted(y, X, processes, 9.0)
+    logs, squares, b = dense(y, X, V)
+    assert_allclose(found.log_determinant, logs, rtol=1e-10)
+    assert_allclose(found.squares, squares, rtol=1e-8)
+    assert_allclose(found.fit, b, rtol=1e-7)
+    assert found.freedom == n - 4 - 2
+
+
+def test_short_blocks_of_a_process_join_long_ones():
+    """The series for a block far below the correlation time, and the closed form."""
+    for ratio in (0.99e-4, 1.01e-4):
+        one = BlockProcess.markov(3.0, BLOCK / ratio, BLOCK)
+        assert_allclose(one.variance / 9.0, 1.0 + ratio**2 / 12.0, rtol=1e-12)
+        assert_allclose(one.white / 9.0, -ratio / 3.0, rtol=2e-3)
+
+
+def test_what_cannot_be_has_no_likelihood():
+    """A walk's white part is negative: it takes enough white noise beside it."""
+    y, X = np.arange(5.0), np.ones((5, 1))
+    step = BlockProcess.walk(1.0, BLOCK)
+    assert restricted(y, X, [step], 0.99 * BLOCK / 6.0) is None
+    assert restricted(y, X, [step], 1.01 * BLOCK / 6.0) is not None
+
+
+def check_log():
+    """Return three axes [deg/h]: N 9 with gm(6, 60 s), alone, with rw(0.3); means."""
+    from scipy.signal import lfilter
+
+    rng, n, dt = np.random.default_rng(8), 720_000, 0.01
+
+    def white(N):
+        return N / sqrt(dt) * rng.standard_normal(n)
+
+    def gauss_markov(s, t):
+        p = np.exp(-dt / t)
+        e = rng.standard_normal(n)
+        e[0] /= sqrt(1.0 - p * p)
+        return lfilter([s * sqrt(1.0 - p * p)], [1.0, -p], e)
+
+    x = white(9.0) + gauss_markov(6.0, 60.0) + 40.0
+    y = white(9.0) - 25.0
+    z = white(9.0) + 0.3 * sqrt(dt) * np.cumsum(rng.standard_normal(n)) + 10.0
+    return [
+        BlockMeans(
+            y=one.reshape(-1, 200).mean(axis=1),
+            X=np.ones((n // 200, 1)),
+            block=2.0,
+            sample=dt,
+        )
+        for one in (x, y, z)
+    ]
+
+
+@pytest.fixture(scope="module")
+def axes():
+    return check_log()
+
+
+def test_a_process_is_found_and_how_well(axes):
+    """A log of two hours of known numbers, fitted in another program, too."""
+    best, second, *_ = fit_models(axes[0])
+
+    assert best.model == "gm"
+    assert second.model == "gm+rw"
+    assert_allclose(second.bic - best.bic, log(3600.0), atol=0.05)
+    values = [best.values[name] for name in ("N", "sigma", "tau")]
+    assert_allclose(values, [9.045, 5.587, 44.53], rtol=1e-3)
+    for name, ends in (
+        ("N", (8.806, 9.292)),
+        ("sigma", (5.003, 6.364)),
+        ("tau", (33.06, 63.11)),
+    ):
+        assert_allclose(profile_interval(best, name), ends, rtol=2e-3)
+    assert_allclose(best.mean, 40.0, atol=4.0 * best.mean_uncertainty[0])
+
+
+def test_white_noise_is_no_more_than_that(axes):
+    """Every other line has a bound, and its bound is above what was not put in."""
+    best, second, *_ = fit_models(axes[1], ("white", "rw", "flicker"))
+
+    assert best.model == "white"
+    assert second.bic - best.bic > 6.0
+    assert_allclose(best.values["N"], 8.968, rtol=1e-3)
+    assert 0.0 < upper_bound(best, "K") < 0.05
+    assert profile_interval(best, "N")[0] < 9.0 < profile_interval(best, "N")[1]
+
+
+def test_a_walk_is_one_that_a_process_may_be_too(axes):
+    """Neither is told from the other in two hours: BIC says 3.1."""
+    best, second, *_ = fit_models(axes[2], ("white", "rw", "gm"))
+
+    assert (best.model, second.model) == ("rw", "gm")
+    assert_allclose(second.bic - best.bic, 3.14, atol=0.05)
+    assert_allclose(best.values["K"], 0.3133, rtol=1e-3)
+    assert_allclose(profile_interval(best, "K"), (0.2634, 0.3728), rtol=2e-3)
+
+
+def test_an_interval_of_white_noise_is_that_of_its_sum_of_squares():
+    """Of n - 1 differences: chi-square by its likelihood, in closed form."""
+    n = 400
+    y = np.random.default_rng(3).standard_normal(n)
+    fit = fit_noise(BlockMeans(y=y, X=np.ones((n, 1)), block=1.0, sample=0.1), "white")
+    s = float(np.std(y, ddof=1))
+    assert_allclose(fit.values["N"], s, rtol=1e-12)
+
+    for end in profile_interval(fit, "N"):
+        r = (s / end) ** 2  # 2 l falls short by (n - 1)(r - 1 - ln r)
+        assert_allclose((n - 1) * (r - 1.0 - log(r)), 3.8415, atol=2e-3)
