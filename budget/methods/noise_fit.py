@@ -3,9 +3,10 @@
 White noise N [unit sqrt(s)] alone, or with a random walk K [unit/sqrt(s)], with a
 first-order Gauss-Markov process sigma [unit], tau [s], or with flicker B [unit]: a sum
 of such processes of correlation times D 4^k, each of variance B^2 ln 4/pi
-(S(f) = B^2/(2 pi f) between them). Values are those of the largest restricted likelihood; an interval of a
-value ends where twice what its profile falls short is the quantile of chi-square with
-one degree of freedom (Wilks), and models are compared by BIC = -2 l + k ln n.
+(S(f) = B^2/(2 pi f) between them). Values are those of the largest restricted
+likelihood; an interval of a value ends where twice what its profile falls short is the
+quantile of chi-square with one degree of freedom (Wilks), and models are compared by
+BIC = -2 l + k ln n.
 """
 
 from __future__ import annotations
