@@ -185,7 +185,7 @@ def profile_interval(
     fit: NoiseFit, name: str, quantile: float = AT_95
 ) -> tuple[float, float]:
     """Return the profile interval of a value; 0 or inf where it has no end."""
-    profile = Profile(fit, name)
+    profile = LikelihoodProfile(fit, name)
     return profile.end(-1, quantile), profile.end(1, quantile)
 
 
@@ -196,7 +196,7 @@ def upper_bound(fit: NoiseFit, name: str, quantile: float = ONE_SIDED_95) -> flo
     """
     D = fit.data.block
     floor = fit.values[WHITE] * {WALK: 1e-4 / D, FLICKER: 1e-3 / sqrt(D)}[name]
-    with_it = Profile(fit, name, more=True)
+    with_it = LikelihoodProfile(fit, name, more=True)
     start = log(floor)
     top = max(-with_it.cost(start), fit.log_likelihood)
     at, step, last = start, log(2.0), start
@@ -217,7 +217,7 @@ def upper_bound(fit: NoiseFit, name: str, quantile: float = ONE_SIDED_95) -> flo
     return exp(0.5 * (last + at))
 
 
-class Profile:
+class LikelihoodProfile:
     """The likelihood of a model over the logarithm of one of its values."""
 
     def __init__(self, fit: NoiseFit, name: str, *, more: bool = False) -> None:

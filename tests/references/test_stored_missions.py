@@ -210,7 +210,10 @@ def test_trials_of_a_mission_have_their_standard_errors(folder):
         (("--kind", "mission"), "0 of role mission, a reference of kind mission has 1"),
         (("--mission", "way.yaml", "--kind", "analyze"), "1 of role mission"),
         (("--requirement", "far.yaml"), "or give --mission FILE"),
-        (("--mission", "way.yaml", "--requirement", "gyro.yaml"), "found calibration by the maker"),
+        (
+            ("--mission", "way.yaml", "--requirement", "gyro.yaml"),
+            "found calibration by the maker",
+        ),
         (("--mission", "way.yaml", "--station", "hut.yaml"), "--procedure FILE"),
         (("--mission", "way.yaml", "--reference", "nominal"), "means nothing to"),
         (("--mission", "track.yaml"), "recorded trajectory, which a reference does"),
