@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
-from math import inf, isfinite
 from operator import add
 from typing import TYPE_CHECKING
 
@@ -457,17 +456,18 @@ def scales_of(owner: str, given: Given, size: int) -> tuple[CommonScale, ...]:
     of the axis with the fewest readings.
     """
     every = given.degrees_of_freedom
-    if min(every, default=inf) == inf:
+    few = [v for v in every if v is not None]
+    if not few:
         return ()
     axes = axes_of_inputs(owner, given, size)
     if len(every) == 1 or axes is None:
-        return (CommonScale(degrees_of_freedom=min(every), rows=tuple(range(size))),)
+        return (CommonScale(degrees_of_freedom=min(few), rows=tuple(range(size))),)
     return tuple(
         CommonScale(
             degrees_of_freedom=v, rows=tuple(np.flatnonzero(axes == axis).tolist())
         )
         for axis, v in enumerate(every)
-        if isfinite(v)
+        if v is not None
     )
 
 

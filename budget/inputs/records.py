@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isfinite
 from typing import TYPE_CHECKING
 
 from budget.documents import Shown, written
@@ -39,7 +38,7 @@ CHANGED = ", changed"  # after the name of a device of which a call changed a va
     standard_uncertainty = u / si_per_unit (list[float]) [unit]: by axis
     correlation_time (list[float] | None) [s]: by axis; null of what has none
     distributions = distributions.name (list[str]): shapes by axis
-    degrees_of_freedom = few (list[float | None]) [1]: of all, or by axis; null: known
+    degrees_of_freedom (list[float | None]) [1]: of all, or by axis; null: known
     includes: what it covers, in the words of the maker
     horizon: after which time
     definition: of the maker
@@ -96,11 +95,6 @@ class ErrorLine(Given):
     condition: str = ""
     source: str = ""
     readings: tuple[tuple[str, ErrorLine], ...] = ()
-
-    @property
-    def few(self) -> tuple[float | None, ...]:
-        """Degrees of freedom where they are few; None of an axis that is known."""
-        return tuple(v if isfinite(v) else None for v in self.degrees_of_freedom)
 
 
 @written(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from math import inf, isfinite, pi, sin, sqrt
+from math import isfinite, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
@@ -91,11 +91,18 @@ SHAPES = {**GAUSSIAN, "rectangular": "uniform"}
 ALLAN_MINIMUM = 0.664
 CORRELATION_TIME = 300.0  # of a stability that names none [s]
 FLOOR = "allan_minimum"  # definition of a value: the lowest point of the Allan curve
+FEW = "degrees_of_freedom"
+FROM_FEW: Rows = {  # of a line that varies
+    FEW: KeyRow(
+        number(1, is_whole=False),
+        "of its standard uncertainty: n - 1 of a scatter of n; unset: it is known",
+    )
+}
 # Keys of a line that a mapping of one axis has for itself.
 STATED = frozenset(
     {
         *("meaning", "distribution", "definition", "correlation_time", "density"),
-        *("averaging_time", "degrees_of_freedom"),
+        *("averaging_time", FEW),
     }
 )
 
@@ -150,10 +157,6 @@ class SpecificationValue(Keyed):
             usual="1 sigma",
         ),
         "distribution": KeyRow(OWN),
-        "degrees_of_freedom": KeyRow(
-            number(1, is_whole=False),
-            "of its standard uncertainty: n - 1 of a scatter of n; unset: it is known",
-        ),
         "includes": KeyRow(TEXT, "what the value contains"),
         "horizon": KeyRow(TEXT, "over what time it is given"),
         "condition": KeyRow(TEXT, "under what condition"),
@@ -168,9 +171,9 @@ class SpecificationValue(Keyed):
             "under nominal",
         ),
         Rule(
-            "degrees_of_freedom",
+            FEW,
             lambda it: (
-                it.degrees_of_freedom
+                getattr(it, FEW, None)
                 and (
                     it.meaning in {*HALF_WIDTHS, EXACT}
                     or it.distribution not in {None, NORMAL.name}
@@ -699,17 +702,19 @@ def value_of(line: Source, sensor: str) -> ValueKind:
     if line.axes == ONE_VALUE:
         alone = table(family, {**own, **needed}, title)
         return or_text(alone, size, family.besides)
+    is_open = line.varies and sensor in SENSORS
+    few = FROM_FEW if is_open and not line.is_initial else {}
     of_axis = family.of_axis or family
-    one_axis = or_text(table(of_axis, needed, f"{title}, one axis"), size)
+    one_axis = or_text(table(of_axis, {**needed, **few}, f"{title}, one axis"), size)
     by_axis = rows_of(dict.fromkeys(line.axes, one_axis))
     beside = beside_of(line, sensor)
-    is_open = line.varies and sensor in SENSORS
     readings = tuple(word for group in readings_of(line) for word in group if is_open)
     every: dict[str, KeyRow | None] = {
         "reading": replace(Open.rows["reading"], kind=items(one_of(*readings)))
         if readings
         else None,
         "value": KeyRow(size),
+        **few,
         "axes": KeyRow(table(rows=by_axis, title=f"{title}, by axis")),
         "adds_to": KeyRow(one_of(beside), f"what is no part of {beside}, given as well")
         if beside
@@ -921,10 +926,10 @@ def _read(line: Source, sensor: str, given: Quantity | SpecificationValue) -> Re
 
 def _degrees_of_freedom(
     line: SpecificationValue, axes: list[SpecificationValue]
-) -> tuple[float, ...]:
+) -> tuple[float | None, ...]:
     """Return them as a line has them: of one value for all axes one."""
-    each = tuple(float(one.degrees_of_freedom or inf) for one in axes)
-    if min(each) == inf:
+    each: tuple[float | None, ...] = tuple(getattr(one, FEW, None) for one in axes)
+    if not any(each):
         return ()
     return each if line.by_axis else each[:1]
 

@@ -77,9 +77,9 @@ class Given:
     course : Course or None
         Of a temperature or a vibration of the use: it at every time of a mission, where
         that is known; u is the largest then. Of a line that it acts by likewise.
-    degrees_of_freedom : tuple of float
-        Of u, where few readings gave it: one of all axes together, or one of each [1];
-        () where it is known.
+    degrees_of_freedom : tuple of float or None
+        Of u, where few readings gave it: one of all axes together, or one of each, None
+        of one that is known [1]; () where all are.
     """
 
     name: str
@@ -92,7 +92,7 @@ class Given:
     form: str = ""
     horizons: tuple[tuple[float, float], ...] = ()
     course: Course | None = None
-    degrees_of_freedom: tuple[float, ...] = ()
+    degrees_of_freedom: tuple[float | None, ...] = ()
 
     @property
     def largest(self) -> float:

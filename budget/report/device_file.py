@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -130,15 +129,15 @@ def _figure(line: ErrorLine, gravity: float, mark: str) -> str:
     times = [""] * line.u.size
     if line.correlation_time is not None:
         times = [_quantity(float(time), "s") for time in line.correlation_time]
-    few = line.degrees_of_freedom or (inf,)
+    few = line.degrees_of_freedom or (None,)
     own = [
         _given(
             distribution="" if shape == NORMAL.name else shape,
             correlation_time=at,
-            degrees_of_freedom=f"{v:.15g}" if isfinite(v) else "",
+            degrees_of_freedom=f"{v:.15g}" if v else "",
         )
         for shape, at, v in zip(
-            shapes, times, np.broadcast_to(few, line.u.shape).tolist(), strict=True
+            shapes, times, few * (line.u.size // len(few)), strict=True
         )
     ]
     # Of one figure of all axes they are of all together.
@@ -240,7 +239,7 @@ def _line_says(line: ErrorLine) -> tuple[object, ...]:
         *(line.name, line.distributions, line.form, line.adds_to),
         *(line.density if line.readings else "", None if time is None else time.value),
         *(line.u, line.correlation_time, line.low_cut, np.array(line.horizons)),
-        np.array(line.degrees_of_freedom),
+        line.degrees_of_freedom,
         np.array(list(line.own.values())),
         tuple((word, _line_says(one)) for word, one in line.readings),
     )

@@ -117,7 +117,7 @@ def _quantity(name: Name, line: ErrorLine, origin: str) -> InputQuantity:
         degrees_of_freedom=None
         if origin
         else min(
-            *line.degrees_of_freedom,
+            *filter(None, line.degrees_of_freedom),
             *(shape.degrees_of_freedom for shape in shapes),
             inf,
         ),

@@ -16,8 +16,8 @@ from numpy.testing import assert_allclose
 HALF = Fraction(1, 2)
 DEG = pi / 180.0
 
-# Size in SI and powers of angle, time, length and temperature: written down here once
-# more, by hand; powers that are not written are zero.
+# Size in SI and powers of angle, time, length, temperature and magnetic field: written
+# down here once more, by hand; powers that are not written are zero.
 NAMES = {
     "deg": (DEG, (1, 0, 0)),
     "\N{DEGREE SIGN}": (DEG, (1, 0, 0)),
@@ -58,6 +58,12 @@ NAMES = {
     "ppm": (1e-6, (0, 0, 0)),
     "degC": (1.0, (0, 0, 0, 1)),
     "K": (1.0, (0, 0, 0, 1)),
+    "gauss": (1e-4, (0, 0, 0, 0, 1)),
+    "Gauss": (1e-4, (0, 0, 0, 0, 1)),
+    "T": (1.0, (0, 0, 0, 0, 1)),
+    "mT": (1e-3, (0, 0, 0, 0, 1)),
+    "uT": (1e-6, (0, 0, 0, 0, 1)),
+    "nT": (1e-9, (0, 0, 0, 0, 1)),
 }
 # The dimension of each kind of quantity, in the order of LIKES.
 KINDS = (
@@ -67,6 +73,7 @@ KINDS = (
     *((1, 0, 0, -1), (0, -1, 1, -1), (0, 0, 0, -1)),
     (1, -1, 0, -1),
     *((0, -2, 1, -1), (), (1,), (0, -1, 1), (0, 1), (0, 0, 1), (0, -1)),
+    *((0, 0, 0, 0, 1), (1, -1, 0, 0, -1), (0, -2, 1, 0, -1)),
 )
 STANDARD = 9.80665  # [m/s^2]
 
@@ -87,12 +94,12 @@ class Unit:
 
     text: str
     size: float  # [SI]
-    powers: tuple[Fraction, ...]  # of angle, time, length, temperature
+    powers: tuple[Fraction, ...]  # of angle, time, length, temperature, field
 
 
 def powers_of(*written):
-    """Return the four powers of a dimension of which the last ones may be left out."""
-    return tuple(map(Fraction, (*written, *(0,) * (4 - len(written)))))
+    """Return the five powers of a dimension of which the last ones may be left out."""
+    return tuple(map(Fraction, (*written, *(0,) * (5 - len(written)))))
 
 
 def factor(name, shape):

@@ -153,7 +153,7 @@ def test_it_is_written_and_read_again(tmp_path):
 
     assert gyro.line("bias_repeatability").degrees_of_freedom == (5.0,)
     walk = accelerometer.line("velocity_random_walk")
-    assert walk.degrees_of_freedom == (9.0, inf, 4.5)
+    assert walk.degrees_of_freedom == (9.0, None, 4.5)
     assert is_read_back(path.read_text(encoding="utf-8"), sensors)
 
 
