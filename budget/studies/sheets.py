@@ -54,10 +54,12 @@ def _cautions_of(question: Question) -> Iterator[Condition]:
         name = Name("range", owner=asked.peak.sensor)
         yield Condition(kind=SATURATES, line=name, text=asked.said)
     stands = {one.source for one in question.filled.lines}
+    kinds = {sensor.kind for sensor in question.there}
     for device in question.sheets or question.devices:
         own = _unusual(device, question.catalogue)
-        yield from (one for one in own if one.line not in stands)
-        yield from _aside(device)
+        for one in (*(x for x in own if x.line not in stands), *_aside(device)):
+            if one.line.owner in kinds:
+                yield one
     for sensor in question.there:
         for line in sensor.lines:
             yield from _in_use(question, Name(line.name, owner=sensor.kind), line)

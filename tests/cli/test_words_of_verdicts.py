@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from command_line import call
+from places import put
 from reading import assert_says
 from report_examples import make_assessment, make_budget
 
@@ -579,3 +580,23 @@ def test_stations_that_are_equally_near_are_named_together(write):
     found = budget.qualify(device, requirement=need, stations=labs)
     (section, *_) = station_answer(found, full=False)
     assert_says(str(section.blocks[0]), "nearest is one and two")
+
+
+def test_a_figure_aside_is_cautioned_by_its_own_sensor(tmp_path):
+    """Once, though both triads are judged: the rate per vibration of a STIM300."""
+    wanted = put(
+        tmp_path / "loose.yaml",
+        "name: loose\nenvironment: none\nlimits:\n  gyro: {bias: 200 deg/h}\n"
+        "  accelerometer: {bias: 200 mg}\n",
+    )
+    run = call(
+        *("analyze", "stim300#5g", *LAW, "--requirement", wanted, "--json", "-"), code=0
+    )
+    said = {
+        one["sensor"]: [x for x in one["cautions"] if "under figures" in str(x)]
+        for one in run.document["assessment"]["sensors"]
+    }
+    assert {sensor: len(own) for sensor, own in said.items()} == {
+        "gyro": 1,
+        "accelerometer": 0,
+    }
