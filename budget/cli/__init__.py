@@ -71,9 +71,8 @@ class _Commands(TyperGroup):
         """Run the command."""
         try:
             return super().invoke(ctx)
-        except typer.BadParameter as error:  # from typer 0.29 on with pydantic's words
-            said = error.message.removeprefix("Value error, ").partition(", unable")[0]
-            error.message = said.replace("Input should be", "expected")
+        except typer.BadParameter as error:
+            error.message = error.message.replace("int range", "integer")
             raise
         except BrokenPipeError as error:
             raise WorkerError(

@@ -57,9 +57,8 @@ def _cautions_of(question: Question) -> Iterator[Condition]:
     kinds = {sensor.kind for sensor in question.there}
     for device in question.sheets or question.devices:
         own = _unusual(device, question.catalogue)
-        for one in (*(x for x in own if x.line not in stands), *_aside(device)):
-            if one.line.owner in kinds:
-                yield one
+        every = (*(x for x in own if x.line not in stands), *_aside(device))
+        yield from (said for said in every if said.line.owner in kinds)
     for sensor in question.there:
         for line in sensor.lines:
             yield from _in_use(question, Name(line.name, owner=sensor.kind), line)
