@@ -42,7 +42,7 @@ def check(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[REFERENCE]",
+            metavar="[REFERENCE...]",
             help="References: files, folders of them, or bare names of shipped ones; "
             "without one all that ship. With --save: device files.",
             show_default=False,

@@ -18,7 +18,7 @@ def compare(
     devices: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[DEVICE]",
+            metavar="[DEVICE...]",
             autocompletion=options.complete_device,
             help="Device files; FILE is its base and every variant, FILE#VARIANT one; "
             "- is standard input.",

@@ -27,7 +27,7 @@ def decide(
     devices: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[DEVICE]",
+            metavar="[DEVICE...]",
             autocompletion=options.complete_device,
             help="Device files to choose from; all that ship, if none is given.",
             show_default=False,

@@ -157,7 +157,7 @@ written = partial(typer.Option, rich_help_panel=GOES)
 Devices = Annotated[
     list[str] | None,
     typer.Argument(
-        metavar="[DEVICE]",
+        metavar="[DEVICE...]",
         autocompletion=complete_device,
         help="Device files, FILE or FILE#VARIANT, - for standard input; without one "
         "the built-in paper device.",
