@@ -183,10 +183,11 @@ def is_same(a: Ends, b: Ends) -> bool:
     below to count in it, and more trials draw nothing that moves one alone.
     """
     near_a, near_b = _candidates(a), _candidates(b)
+    noise_a, noise_b = _as_long([a.noise, b.noise])
     return (
         np.array_equal(a.value[near_a], b.value[near_b])
         and np.array_equal(a.bound[near_a], b.bound[near_b])
-        and np.array_equal(a.noise[:, near_a], b.noise[:, near_b])
+        and np.array_equal(noise_a[:, near_a], noise_b[:, near_b])
     )
 
 

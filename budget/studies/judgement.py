@@ -367,7 +367,10 @@ def _judge_by(values: Array, held: Limited) -> Judged:
         largest=largest,
         ends=Ends(
             value=np.where(chosen, found.ends.value, found.given.value),
-            noise=np.where(chosen, found.ends.noise, 0.0),
+            # Where the law decides all there is none: of thousands all are kept.
+            noise=np.where(
+                chosen, found.ends.noise[: None if chosen.any() else 1], 0.0
+            ),
             bound=np.where(chosen, 0.0, found.given.bound),
         ),
         given=found.given,
