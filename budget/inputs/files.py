@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from budget.inputs.tree import Node, YamlFile
 
-# The folder of the shipped files of each kind; of costs there are none.
+# The folder of the shipped files of each kind; of costs and recordings there are none.
 FOLDERS = {
     "device": "devices",
     "procedure": "procedures",
@@ -30,6 +30,7 @@ FOLDERS = {
     "mission": "missions",
     "requirement": "requirements",
     "costs": "costs",
+    "recording": "recordings",
 }
 STDIN = "-"
 NEWEST_FORMAT = 1  # that this version reads, of every kind
@@ -142,7 +143,7 @@ def open_file(file: NamedFile, kind: str | None = None) -> YamlFile:
         raise document.refuse((sign.node, message), on_key=True)
     message = (
         "is of no known kind, expected limits (in a requirement), costs (costs), "
-        "mission (mission), latitude or windows (procedure), station (station), "
+        "recording (recording), mission (mission), latitude or windows (procedure), station (station), "
         "gyro or accelerometer (device)"
     )
     raise document.refuse((root, message))
@@ -276,6 +277,7 @@ def _signs(root: Node) -> Iterator[_Sign]:
     places = [
         ("requirement", root, ("limits",)),
         ("costs", root, ("costs",)),
+        ("recording", root, ("recording",)),
         ("mission", root, ("mission",)),
         (
             "procedure",

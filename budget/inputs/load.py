@@ -19,6 +19,7 @@ from budget.inputs.files import FOLDERS, find, open_file, refuse_absent
 from budget.inputs.mission import read_mission
 from budget.inputs.procedure import read_procedure
 from budget.inputs.reader import parse, refuse
+from budget.inputs.recording import YAML, bare_recording, read_recording
 from budget.inputs.records import (
     FACTORY,
     NONE,
@@ -29,6 +30,7 @@ from budget.inputs.records import (
     Mission,
     Origin,
     Procedure,
+    Recording,
     Requirement,
     Station,
 )
@@ -417,6 +419,20 @@ def load_costs(path: Costs | File) -> Costs:
     return cast("Costs", _record(path, "costs"))
 
 
+def load_recording(path: Recording | File) -> Recording:
+    """Read what the columns of a recording are, or take a log as it is.
+
+    A recording file is YAML; of another file the heads are its own. Raises as
+    load_device.
+    """
+    if isinstance(path, str | Path) and Path(path).suffix.lower() not in YAML:
+        file = find(path, "recording")
+        if not file.path.exists():
+            raise refuse(file.shown, "no such file, expected a recording")
+        return bare_recording(file.path, file.shown)
+    return cast("Recording", _record(path, "recording"))
+
+
 def variants(path: File) -> tuple[str, ...]:
     """Return the variants of a device file, '' for its base unless it is abstract."""
     return variant_names(open_file(find(path, "device"), "device"))
@@ -506,6 +522,7 @@ _READERS: dict[str, tuple[type, Callable[[YamlFile], Any]]] = {
     "mission": (Mission, read_mission),
     "requirement": (Requirement, read_requirement),
     "costs": (Costs, read_costs),
+    "recording": (Recording, read_recording),
 }
 
 

@@ -16,7 +16,8 @@ from budget.names import ANGLES, AXES, Name
 from budget.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
+    from pathlib import Path
 
     from budget.arrays import Array
     from budget.inputs.changes import Changed, Changes
@@ -497,6 +498,42 @@ class Costs:
     costs: tuple[Cost, ...]
     assumptions: tuple[str, ...]
     origin: Origin
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """Files of recorded readings, and what is said of their columns.
+
+    Attributes
+    ----------
+    name : str
+        Of the file that stands for it.
+    files : tuple of (Path, str)
+        As they are found, and as messages name them.
+    rate : float, optional
+        Of sampling [Hz]; None: that of the stamps.
+    columns : tuple of str
+        Heads in the place of those of the files; () these.
+    gain : mapping of str to float
+        By sensor, counts per rad/s or m/s^2; results are in counts without it.
+    increments : bool
+        Whether the readings are steps of angle and velocity.
+    saturation : mapping of str to float
+        By sensor, reading at the end of the range [SI].
+    counter : (str, int), optional
+        Head of a counter of samples, and from where it begins again.
+    """
+
+    name: str
+    files: tuple[tuple[Path, str], ...]
+    rate: float | None = None
+    columns: tuple[str, ...] = ()
+    gain: Mapping[str, float] = field(default_factory=dict)
+    increments: bool = False
+    saturation: Mapping[str, float] = field(default_factory=dict)
+    counter: tuple[str, int] | None = None
+    assumptions: tuple[str, ...] = ()
+    origin: Origin | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

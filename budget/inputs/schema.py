@@ -10,6 +10,7 @@ from budget.inputs.device import device_table
 from budget.inputs.fields import Schemas, ValueKind, table
 from budget.inputs.mission import MissionFile
 from budget.inputs.procedure import ProcedureFile
+from budget.inputs.recording import RecordingFile
 from budget.inputs.requirement import RequirementFile
 from budget.inputs.station import StationFile
 
@@ -25,6 +26,7 @@ TABLES: dict[str, Callable[[], ValueKind]] = {
     "mission": lambda: table(MissionFile),
     "requirement": lambda: table(RequirementFile),
     "costs": costs_table,
+    "recording": lambda: table(RecordingFile),
 }
 
 

@@ -11,13 +11,18 @@ BIC = -2 l + k ln n.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import exp, inf, log, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.methods.restricted import BlockProcess, Restricted, restricted
+from budget.methods.restricted import (
+    BlockProcess,
+    Restricted,
+    restricted,
+    together,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -25,6 +30,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
 
 WHITE, WALK, SIGMA, TIME, FLICKER = "N", "K", "sigma", "tau", "B"
+SLOW = "slow"  # sigma sqrt(2/tau) of a Gauss-Markov process, in the place of sigma
 MODELS: Mapping[str, tuple[str, ...]] = {
     "white": (),
     "rw": (WALK,),
@@ -77,8 +83,10 @@ class BlockMeans:
         D, processes, white = self.block, [], values[WHITE] ** 2 / self.block
         if WALK in values:
             processes.append(BlockProcess.walk(values[WALK], D))
-        if SIGMA in values:
-            processes.append(BlockProcess.markov(values[SIGMA], values[TIME], D))
+        if TIME in values:
+            time = values[TIME]
+            sigma = values.get(SIGMA) or values[SLOW] * sqrt(time / 2.0)
+            processes.append(BlockProcess.markov(sigma, time, D))
         if FLICKER in values:
             own = values[FLICKER] * sqrt(SHAPE)
             time = D / RATIO
@@ -91,6 +99,38 @@ class BlockMeans:
                 processes.append(BlockProcess.markov(own, time, D))
                 time *= RATIO
         return restricted(self.y, self.X, processes, white)
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """Several records of one device, blocks of one length: one noise, a mean each."""
+
+    records: tuple[BlockMeans, ...]
+
+    @property
+    def block(self) -> float:
+        """Length of a block [s]."""
+        return self.records[0].block
+
+    @property
+    def number(self) -> int:
+        """Blocks that are there."""
+        return sum(one.number for one in self.records)
+
+    @property
+    def duration(self) -> float:
+        """Of the longest record [s]."""
+        return max(one.duration for one in self.records)
+
+    def likelihood(self, values: Mapping[str, float]) -> Restricted | None:
+        """Return the restricted likelihood of a model with these values."""
+        found = []
+        for one in self.records:
+            part = one.likelihood(values)
+            if part is None:
+                return None
+            found.append(part)
+        return found[0] if len(found) == 1 else together(found)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -114,7 +154,7 @@ class NoiseFit:
     bic: float
     mean: Array
     mean_uncertainty: Array
-    data: BlockMeans = field(repr=False)
+    data: BlockMeans | Runs = field(repr=False)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -122,7 +162,7 @@ class NoiseFit:
         return (WHITE, *MODELS[self.model])
 
 
-def fit_noise(data: BlockMeans, model: str) -> NoiseFit:
+def fit_noise(data: BlockMeans | Runs, model: str) -> NoiseFit:
     """Return a model at its largest restricted likelihood.
 
     The scale of all is found exactly, by generalised least squares; what else there is
@@ -175,7 +215,7 @@ def fit_noise(data: BlockMeans, model: str) -> NoiseFit:
 
 
 def fit_models(
-    data: BlockMeans, models: Sequence[str] = tuple(MODELS)
+    data: BlockMeans | Runs, models: Sequence[str] = tuple(MODELS)
 ) -> list[NoiseFit]:
     """Return models by their BIC, the least first."""
     return sorted((fit_noise(data, one) for one in models), key=lambda one: one.bic)
@@ -187,6 +227,59 @@ def profile_interval(
     """Return the profile interval of a value; 0 or inf where it has no end."""
     profile = LikelihoodProfile(fit, name)
     return profile.end(-1, quantile), profile.end(1, quantile)
+
+
+def slow_interval(
+    fit: NoiseFit, quantile: float = AT_95
+) -> tuple[float, tuple[float, float]]:
+    """Return sigma sqrt(2/tau) of a Gauss-Markov process, and its profile interval.
+
+    What is known of one too slow for its time to be told: a random walk of so much
+    [unit/sqrt(s)].
+    """
+    values = {name: x for name, x in fit.values.items() if name != SIGMA}
+    values[SLOW] = fit.values[SIGMA] * sqrt(2.0 / fit.values[TIME])
+    same = replace(fit, values=values)
+    return values[SLOW], profile_interval(same, SLOW, quantile)
+
+
+def allan_variance(values: Mapping[str, float], times: Array, longest: float) -> Array:
+    """Return the Allan variance of a model, by process summed, shape (n,) [unit^2].
+
+    N^2/t + K^2 t/3, of a Gauss-Markov process (2 s^2 T/t) (1 - (T/2t)(3 - 4 e^(-t/T)
+    + e^(-2t/T))) (IEEE Std 952-2020, annex C), of flicker the sum of such ones.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        By parameter.
+    times : ndarray, shape (n,)
+        Averaging times [s].
+    longest : float
+        Correlation time up to which flicker has components [s].
+    """
+    t = np.asarray(times, dtype=float)
+    found = values.get(WHITE, 0.0) ** 2 / t + values.get(WALK, 0.0) ** 2 * t / 3.0
+    if TIME in values:
+        found = found + _markov(values[SIGMA], values[TIME], t)
+    if FLICKER in values:
+        time = float(t.min()) / RATIO
+        while time <= longest:
+            found = found + _markov(values[FLICKER] * sqrt(SHAPE), time, t)
+            time *= RATIO
+    return np.asarray(found)
+
+
+def _markov(sigma: float, time: float, t: Array) -> Array:
+    """Return the Allan variance of a Gauss-Markov process, shape (n,) [unit^2]."""
+    x = t / time
+    exact = (
+        2.0
+        * sigma**2
+        / x
+        * (1.0 - (3.0 - 4.0 * np.exp(-x) + np.exp(-2.0 * x)) / (2.0 * x))
+    )
+    return np.where(x > 1e-4, exact, 2.0 * sigma**2 * x / 3.0)  # noqa: PLR2004
 
 
 def upper_bound(fit: NoiseFit, name: str, quantile: float = ONE_SIDED_95) -> float:

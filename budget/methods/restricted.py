@@ -125,6 +125,19 @@ class Restricted:
         return -0.5 * whole
 
 
+def together(parts: Sequence[Restricted]) -> Restricted:
+    """Return the likelihood of independent records, each with a mean of its own."""
+    from scipy.linalg import block_diag
+
+    return Restricted(
+        log_determinant=sum(one.log_determinant for one in parts),
+        squares=sum(one.squares for one in parts),
+        freedom=sum(one.freedom for one in parts),
+        fit=np.concatenate([one.fit for one in parts]),
+        covariance=block_diag(*(one.covariance for one in parts)),
+    )
+
+
 def restricted(
     y: Array, X: Array, processes: Sequence[BlockProcess], white: float
 ) -> Restricted | None:

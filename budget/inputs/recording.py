@@ -1,0 +1,176 @@
+"""Recording files: what the columns of recorded readings are, where a log says it not."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from budget.errors import UnitError
+from budget.inputs.fields import (
+    TEXT,
+    TRUTH,
+    Keyed,
+    KeyRow,
+    Rows,
+    Rule,
+    Rules,
+    Sign,
+    ValueKind,
+    check,
+    fault,
+    format_row,
+    items,
+    measured,
+    number,
+    rows_of,
+    table,
+)
+from budget.inputs.files import lies_in
+from budget.inputs.records import Origin, Recording
+from budget.inputs.tree import describe
+from budget.model.sources import ACCELEROMETER, GYRO
+from budget.units import NUMBER, parse_quantity
+
+if TYPE_CHECKING:
+    from budget.inputs.tree import Node, YamlFile
+
+MOST_FILES = 100
+YAML = {".yaml", ".yml"}
+RATES = {GYRO: "deg/s", ACCELEROMETER: "m/s^2"}
+GAINS = {GYRO: "16.4 counts/(deg/s)", ACCELEROMETER: "2048 counts/g"}
+_GAIN = re.compile(rf"({NUMBER})\s*(?:counts?|LSB|digits?)\s*/\s*\(?([^()]+)\)?")
+
+
+def _gain(sensor: str) -> ValueKind:
+    """Return the kind of a gain in counts per unit, read as counts per SI."""
+    like = RATES[sensor]
+    expected = f"expected counts per {like} or the like, as {GAINS[sensor]!r}"
+
+    def read(node: Node, gravity: float) -> float:
+        match = _GAIN.fullmatch(str(node.value).strip())
+        if match is None or not (gain := float(match[1])):
+            raise fault(f"found {describe(node.value)}, {expected}")
+        try:
+            unit = parse_quantity(f"1 {match[2]}", like, gravity=gravity)
+        except UnitError as error:
+            raise fault(f"{error}; {expected}") from None
+        return gain / unit.si_per_unit
+
+    return ValueKind(read, {"type": "string", "examples": [GAINS[sensor]]})
+
+
+class CounterKeys(Keyed):
+    """The column of a counter of samples."""
+
+    rows: ClassVar[Rows] = {
+        "column": KeyRow(TEXT, "its head, as it stands among the columns"),
+        "modulo": KeyRow(
+            number(2, 2**53), "from where it begins again at 0", is_needed=True
+        ),
+    }
+    rules: ClassVar[Rules] = (
+        Rule("column", lambda it: not it.column, "names no column, expected its head"),
+    )
+
+
+class RecordingFile(Keyed):
+    """What the columns of a recording are."""
+
+    rows: ClassVar[Rows] = {
+        "format": format_row("recording"),
+        "recording": KeyRow(
+            items(TEXT, least=1, most=MOST_FILES, alone=True),
+            "file of rows beside this one: CSV, whitespace text, .npy, .npz, .parquet; "
+            "several are one after the other, or of a triad each",
+            is_needed=True,
+        ),
+        "rate": KeyRow(
+            measured("Hz", Sign.POSITIVE), "of sampling; unset: that of the stamps"
+        ),
+        "columns": KeyRow(
+            items(TEXT, least=1, most=1000),
+            "heads in the place of those of the file, as 'gyro_x [deg/s]'; _ of one "
+            "that is not read, - before one that counts the other way round",
+        ),
+        "gain": KeyRow(
+            table(rows=rows_of({one: _gain(one) for one in RATES}), title="gains"),
+            "of a sensor in counts; unset: figures are in counts",
+        ),
+        "increments": KeyRow(
+            TRUTH, "whether they are steps of angle and velocity", usual=False
+        ),
+        "saturation": KeyRow(
+            table(
+                rows=rows_of(
+                    {
+                        sensor: measured(like, Sign.POSITIVE, both=True)
+                        for sensor, like in RATES.items()
+                    }
+                ),
+                title="saturation",
+            ),
+            "reading at the end of the range; unset: where extreme values pile up",
+        ),
+        "counter": KeyRow(table(CounterKeys), "of samples: it says where some lack"),
+    }
+
+
+def read_recording(document: YamlFile) -> Recording:
+    """Turn a recording file into a record.
+
+    Raises
+    ------
+    SpecError
+        Every issue of the file; a recording that lies in another folder.
+    """
+    model = check(document, table(RecordingFile))
+    folder = Path(document.file).parent
+    names = [model.recording] if isinstance(model.recording, str) else model.recording
+    files = [(folder / name, str(folder / name)) for name in names]
+    for (path, _), name in zip(files, names, strict=True):
+        if not lies_in(path, folder) or path.suffix.lower() in YAML:
+            message = (
+                f"found {name!r}, expected a file of rows in the folder of this one"
+            )
+            node = document.root.child("recording")
+            raise document.refuse((node or document.root, message))
+
+    def sizes(part: Keyed | None) -> dict[str, float]:
+        """Return what is given of each sensor [SI]."""
+        own = {} if part is None else vars(part)
+        return {
+            name: one if isinstance(one, float) else one.value
+            for name, one in own.items()
+            if one is not None
+        }
+
+    counter = model.counter
+    return Recording(
+        name=document.base_name,
+        files=tuple(files),
+        rate=None if model.rate is None else model.rate.value,
+        columns=tuple(model.columns or ()),
+        gain=sizes(model.gain),
+        increments=bool(model.increments),
+        saturation=sizes(model.saturation),
+        counter=(counter.column, counter.modulo) if counter else None,
+        assumptions=(),
+        origin=Origin(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def bare_recording(path: Path, shown: str) -> Recording:
+    """Return a recording of which its file alone says what it is."""
+    return Recording(name=path.name, files=((path, shown),))
+
+
+def with_columns(
+    recording: Recording, *, rate: float | None = None, columns: str | None = None
+) -> Recording:
+    """Return a recording whose rate [Hz] and heads are those of a call, where given."""
+    if columns is not None:
+        heads = tuple(one.strip() for one in columns.split(","))
+        recording = replace(recording, columns=heads)
+    return recording if rate is None else replace(recording, rate=rate)

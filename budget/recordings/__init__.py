@@ -1,0 +1,1 @@
+"""Recordings of sensors: read, looked over, and turned into figures of noise."""
