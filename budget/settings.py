@@ -543,7 +543,7 @@ class Engine:
     workers: int = setting(
         1,
         "Processes, as many as there are processors at the most; changes no number.",
-        "analyze mission report compare decide check",
+        "analyze mission report compare decide check characterise",
         said="Processes; changes no number.",
         metavar="N",
         least=1,
@@ -558,13 +558,13 @@ class Engine:
     executor: Executor | None = setting(
         None,
         "Does the work in place of local processes.",
-        "analyze compare",
+        "analyze compare characterise",
         only=LIBRARY,
     )
     progress: Progress | None = setting(
         None,
         "Called with what is being done, steps done and steps in all.",
-        "analyze compare decide allocate",
+        "analyze compare decide allocate characterise",
         only=LIBRARY,
     )
     talk: Callable[[str], None] | None = setting(

@@ -143,8 +143,8 @@ def open_file(file: NamedFile, kind: str | None = None) -> YamlFile:
         raise document.refuse((sign.node, message), on_key=True)
     message = (
         "is of no known kind, expected limits (in a requirement), costs (costs), "
-        "recording (recording), mission (mission), latitude or windows (procedure), station (station), "
-        "gyro or accelerometer (device)"
+        "recording (recording), mission (mission), latitude or windows (procedure), "
+        "station (station), gyro or accelerometer (device)"
     )
     raise document.refuse((root, message))
 

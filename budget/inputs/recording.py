@@ -1,4 +1,4 @@
-"""Recording files: what the columns of recorded readings are, where a log says it not."""
+"""Recording files: what columns of recorded readings are, where a log does not say."""
 
 from __future__ import annotations
 

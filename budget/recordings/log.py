@@ -32,6 +32,8 @@ from budget.recordings.tables import NumberTable
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.inputs.records import Recording
     from budget.recordings.tables import Piece
@@ -364,11 +366,11 @@ class _Reading:
             self.sums[k, start : start + n] += np.bincount(at, own[there], n)
             self.counts[k, start : start + n] += np.bincount(at, minlength=n)
 
-    def _places(self, opened: _Opened, piece: Piece) -> Array:
+    def _places(self, opened: _Opened, piece: Piece) -> NDArray[np.int64]:
         """Return where the samples of a piece stand on the grid."""
         n = len(piece.values)
         if not self.clock:
-            found = self.last + 1 + np.arange(n)
+            found = self.last + 1 + np.arange(n, dtype=np.int64)
             self.last = int(found[-1])
             return found
         at, column = opened.read[self.clock]
@@ -429,7 +431,7 @@ class _Reading:
         shown = self.group[0].table.shown
         return refuse(shown, f"has {rows} rows, expected {LEAST_ROWS} at the least")
 
-    def _keep_head(self, values: Array, place: Array) -> None:
+    def _keep_head(self, values: Array, place: NDArray[np.int64]) -> None:
         """Keep the first samples, nan where there is none."""
         start = int(place[0])
         if start >= HEAD:
@@ -563,7 +565,11 @@ class _Look:
         return cls(sigma=sigma, longest=longest, equal=equal)
 
     def clean(
-        self, values: Array, place: Array, kept: KeptOut, stated: float | None
+        self,
+        values: Array,
+        place: NDArray[np.int64],
+        kept: KeptOut,
+        stated: float | None,
     ) -> tuple[Array, KeptOut]:
         """Return values with nan for what is kept out, and how many that are."""
         runs = self._runs(values)
@@ -585,7 +591,7 @@ class _Look:
             first=(*kept.first, *listed),
         )
 
-    def _runs(self, values: Array) -> Array:
+    def _runs(self, values: Array) -> NDArray[np.int64]:
         """Return for each sample how many equal ones its run has, with those before."""
         starts = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
         lengths = np.diff(np.append(starts, values.size))
@@ -595,7 +601,7 @@ class _Look:
         self.value, self.run = float(values[-1]), int(counted[-1])
         return np.repeat(counted, lengths)
 
-    def _outliers(self, values: Array) -> Array:
+    def _outliers(self, values: Array) -> NDArray[np.bool_]:
         """Return which samples lie far off the median of their window."""
         if self.sigma == 0.0:
             return np.zeros(values.size, dtype=bool)
@@ -627,7 +633,7 @@ def _off_window(values: Array, near: float = 0.0) -> Array:
     return np.where(np.isfinite(off), off, 0.0)
 
 
-def _at_end(values: Array, runs: Array) -> Array:
+def _at_end(values: Array, runs: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which samples are at the end of the range, where some pile up there.
 
     The extreme value three times running, and oftener than the next one to it: of

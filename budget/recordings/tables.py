@@ -1,4 +1,4 @@
-"""Files of numbers in rows: CSV and whitespace text, NumPy arrays, Parquet, in pieces."""
+"""Files of numbers in rows, read in pieces: text, NumPy arrays, Parquet."""
 
 from __future__ import annotations
 
