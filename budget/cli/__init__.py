@@ -18,6 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
+from budget.cli.characterise import characterise
 from budget.cli.check import check, schema, validate
 from budget.cli.compare import compare
 from budget.cli.decide import decide
@@ -141,6 +142,7 @@ for command in (
         allocate,
         station,
         export,
+        characterise,
         report,
         compare,
         decide,

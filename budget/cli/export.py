@@ -15,7 +15,7 @@ from budget.settings import LONGEST_NUMBER, Asked, Inputs
 NAMES = tuple(names_in("templates", "export"))
 
 
-def _target(text: str) -> str:
+def read_target(text: str) -> str:
     """Read the name of a target, in capitals too."""
     name = text.strip().casefold()
     there = names_in("templates", "export")
@@ -40,7 +40,7 @@ def _factor(text: str) -> float:
     return value
 
 
-def _rate(text: str) -> float:
+def read_rate(text: str) -> float:
     """Read a sampling rate: '200', '200 Hz', '1 kHz'."""
     from budget.errors import UnitError
     from budget.studies.export.study import LEAST_RATE, MOST_RATE
@@ -76,7 +76,7 @@ def export(
         str,
         typer.Option(
             "--to",
-            parser=_target,
+            parser=read_target,
             metavar=f"<{'|'.join(NAMES)}>",
             help="What reads the file; nav-toolkit is NaveGo.",
             autocompletion=lambda: [*NAMES],
@@ -104,7 +104,7 @@ def export(
     rate: Annotated[
         float | None,
         typer.Option(
-            parser=_rate,
+            parser=read_rate,
             metavar="HZ",
             help="Sampling rate, where the target counts by the sample.",
             show_default=False,

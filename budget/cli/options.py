@@ -183,7 +183,7 @@ Grades = Annotated[
         show_default=False,
     ),
 ]
-_PAGES = "mission report compare decide allocate station check paper"
+_PAGES = "mission report compare decide allocate station check paper characterise"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -214,7 +214,10 @@ class OutputFiles:
         (),
         "Report to write, .html or .pdf.",
         _PAGES,
-        at={"report": {"needed": True}},
+        at={
+            "report": {"needed": True},
+            "characterise": {"help": "Device file, .yaml, or page, .html or .pdf."},
+        },
         panel=GOES,
         option="-o",
         metavar="FILE",

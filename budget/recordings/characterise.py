@@ -75,7 +75,10 @@ FIGURES: Mapping[str, Mapping[str, tuple[str, str, float]]] = {
     },
 }
 IN_COUNTS = {
-    "N": "counts sqrt(s)", "K": "counts/sqrt(s)", "tau": "s", "Q": "counts s",
+    "N": "counts sqrt(s)",
+    "K": "counts/sqrt(s)",
+    "tau": "s",
+    "Q": "counts s",
     CHANGE: "counts/degC",
 }
 MODEL_NAMES = {

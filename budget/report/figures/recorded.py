@@ -1,0 +1,127 @@
+"""Allan deviations of recordings, with bands, and the models that are told."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import groupby
+from math import ceil, floor, log10
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from budget.names import AXES
+from budget.report.figures.curves import name_lines
+from budget.report.figures.style import (
+    BLUE,
+    GREEN,
+    INK,
+    VERMILION,
+    Scale,
+    add_plane,
+    blank,
+)
+from budget.report.figures.tabled import Plot, alternative_of_curves
+from budget.report.pages import figure
+from budget.ties import first_largest
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from types import SimpleNamespace
+
+    from matplotlib.figure import Figure
+
+    from budget.recordings.records import AllanRow, Characterisation
+
+PAGE = "figures_recorded"
+LOOKS: Mapping[str, tuple[str, str]] = dict(
+    zip(AXES, ((BLUE, "-"), (VERMILION, "--"), (GREEN, ":")), strict=True)
+)
+ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 16.0, 170.0, 34.0, 52.0, 40.0  # [pt]
+ROOM = 1.3  # beyond the ends of the curves [1]
+
+
+def recorded_plots(found: Characterisation) -> list[Plot]:
+    """Show the Allan deviation of each sensor, an axis a curve."""
+    plots = []
+    for sensor, rows in groupby(found.allan, key=lambda one: one.sensor):
+        curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
+        least = {
+            axis: min(own, key=lambda one: one.deviation)
+            for axis, own in curves.items()
+        }
+        worst = [*least][first_largest([one.deviation for one in least.values()])]
+        taus = sorted({one.tau for own in curves.values() for one in own})
+        scale = least[worst].si_per_unit
+        told, table = figure(
+            PAGE,
+            "recorded",
+            sensor=sensor,
+            axes=[*curves],
+            unit=least[worst].unit,
+            least=least[worst],
+            size=least[worst].deviation / scale,
+            rows=[
+                (
+                    tau,
+                    [
+                        next((one for one in own if one.tau == tau), None)
+                        for own in curves.values()
+                    ],
+                )
+                for tau in taus
+            ],
+            scale=scale,
+        )
+        plots.append(
+            Plot(
+                name=f"allan-{sensor}",
+                said=told,
+                table=table,
+                draw=partial(_draw, curves, told),
+                alt=alternative_of_curves(told.title, table),
+            )
+        )
+    return plots
+
+
+def _draw(curves: Mapping[str, Sequence[AllanRow]], told: SimpleNamespace) -> Figure:
+    """Draw points with bands, and the models as lines."""
+    every = [row for own in curves.values() for row in own]
+    scale = every[0].si_per_unit
+    low = min(min(one.interval_low, one.model) for one in every) / scale / ROOM
+    high = max(max(one.interval_high, one.model) for one in every) / scale * ROOM
+    taus = [one.tau for one in every]
+    log = partial(Scale, kind="log", most=9)
+    drawing = blank(ABOVE + HEIGHT + BELOW)
+    axes = add_plane(
+        drawing,
+        log(
+            low=10.0 ** floor(log10(min(taus))),
+            high=10.0 ** ceil(log10(max(taus))),
+            label=told.time_axis,
+        ),
+        log(low=low, high=high, label=told.axis),
+        left=LEFT,
+        top=ABOVE,
+        right=RIGHT,
+        height=HEIGHT,
+    )
+    ends = []
+    looks: dict[str, Mapping[str, Any]] = {}
+    for axis, own in curves.items():
+        colour, dash = LOOKS[axis]
+        x = [one.tau for one in own]
+        deviation, band_low, band_high, model = (
+            np.array([getattr(one, name) for one in own]) / scale
+            for name in ("deviation", "interval_low", "interval_high", "model")
+        )
+        axes.fill_between(x, band_low, band_high, color=colour, alpha=0.2, linewidth=0)
+        axes.plot(x, deviation, "o", markersize=2.6, color=colour, markeredgewidth=0.0)
+        look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.3}
+        axes.plot(x, model, **look)
+        ends.append((float(model[-1]), axis))
+        looks[axis] = look
+    name_lines(axes, ends, looks)
+    for spine in axes.spines.values():
+        spine.set_color(INK)
+    return drawing
