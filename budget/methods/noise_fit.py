@@ -47,6 +47,9 @@ AT_95, AT_68, ONE_SIDED_95 = 3.841458820694124, 0.9889464815, 2.705543454095404
 BELOW = 1e300  # in the place of a likelihood that is none
 STEPS = 40  # of a search for an end, at the most
 CLOSE = 1e-3  # of 2 l, in which an end may be off [1]
+# Of logarithms: of what is told, and of what is fitted beside it, which moves l by its
+# square.
+TOLD, NUISANCE = 1e-4, 5e-3
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -100,6 +103,15 @@ class BlockMeans:
                 time *= RATIO
         return restricted(self.y, self.X, processes, white)
 
+    def coarser(self, number: int) -> BlockMeans:
+        """Return means of so many blocks each; a rest is left out."""
+        n = len(self.y) // number
+        y, X = (
+            one[: n * number].reshape(n, number, -1).mean(axis=1)
+            for one in (self.y, self.X)
+        )
+        return replace(self, y=y[:, 0], X=X, block=number * self.block)
+
 
 @dataclass(frozen=True, eq=False)
 class Runs:
@@ -121,6 +133,10 @@ class Runs:
     def duration(self) -> float:
         """Of the longest record [s]."""
         return max(one.duration for one in self.records)
+
+    def coarser(self, number: int) -> Runs:
+        """Return means of so many blocks each."""
+        return Runs(tuple(one.coarser(number) for one in self.records))
 
     def likelihood(self, values: Mapping[str, float]) -> Restricted | None:
         """Return the restricted likelihood of a model with these values."""
@@ -289,37 +305,44 @@ def upper_bound(fit: NoiseFit, name: str, quantile: float = ONE_SIDED_95) -> flo
     """
     D = fit.data.block
     floor = fit.values[WHITE] * {WALK: 1e-4 / D, FLICKER: 1e-3 / sqrt(D)}[name]
-    with_it = LikelihoodProfile(fit, name, more=True)
-    start = log(floor)
-    top = max(-with_it.cost(start), fit.log_likelihood)
-    at, step, last = start, log(2.0), start
+    with_it = LikelihoodProfile(fit, name)
+    at, step = log(floor), log(4.0)
+    top = -with_it.cost(at)
+    wanted, places = sqrt(quantile), [(0.0, at)]
     for _ in range(STEPS):
+        at += step
         value = -with_it.cost(at)
         top = max(top, value)
-        if 2.0 * (top - value) > quantile:
+        root = sqrt(2.0 * (top - value))
+        if root >= wanted:
+            places.append((root, at))
             break
-        last, at = at, at + step
+        places = [(root, at)]
     else:
         return inf
+    # The root of what is short is nearly as the value, or its square.
+    (low, a), (high, b) = places
     for _ in range(STEPS):
-        middle = 0.5 * (last + at)
-        short = 2.0 * (top + with_it.cost(middle)) - quantile
-        last, at = (middle, at) if short < 0.0 else (last, middle)
-        if abs(short) < CLOSE or at - last < CLOSE:
-            break
-    return exp(0.5 * (last + at))
+        part = log((wanted - low) / (high - low) * (exp(b - a) - 1.0) + 1.0) / (b - a)
+        at = a + min(max(part, 0.05), 0.95) * (b - a)
+        root = sqrt(max(2.0 * (top + with_it.cost(at)), 0.0))
+        if abs(root**2 - quantile) < CLOSE or b - a < CLOSE:
+            return exp(at)
+        (low, a), (high, b) = (
+            ((root, at), (high, b)) if root < wanted else ((low, a), (root, at))
+        )
+    return exp(at)
 
 
 class LikelihoodProfile:
     """The likelihood of a model over the logarithm of one of its values."""
 
-    def __init__(self, fit: NoiseFit, name: str, *, more: bool = False) -> None:
-        """Begin at the largest likelihood; `more`: with a line that is not in it."""
+    def __init__(self, fit: NoiseFit, name: str) -> None:
+        """Begin at the largest likelihood, for a line that is in it or is not."""
         self.fit, self.name = fit, name
         values = dict(fit.values)
         self.others = [one for one in values if one != name]
         self.at = np.log([values[one] for one in self.others])
-        self.is_more = more
 
     def cost(self, place: float) -> float:
         """Return -l at the best of all others; the place is ln of the value."""
@@ -329,7 +352,7 @@ class LikelihoodProfile:
             found = self.fit.data.likelihood(own | {self.name: exp(place)})
             return BELOW if found is None else -found.log_likelihood
 
-        best = _search(of, self.at, step=0.1)
+        best = _search(of, self.at, step=0.1, close=NUISANCE)
         value = of(best)
         if value < BELOW:
             self.at = best
@@ -374,7 +397,11 @@ class LikelihoodProfile:
 
 
 def _search(
-    cost: Callable[[Array], float], start: Array, *, step: float = 0.3
+    cost: Callable[[Array], float],
+    start: Array,
+    *,
+    step: float = 0.3,
+    close: float = TOLD,
 ) -> Array:
     """Return where a function of a few logarithms is least, by a simplex."""
     from scipy.optimize import minimize
@@ -388,6 +415,6 @@ def _search(
         cost,
         start,
         method="Nelder-Mead",
-        options={"xatol": 1e-4, "fatol": 1e-5, "initial_simplex": simplex},
+        options={"xatol": close, "fatol": min(close, 1e-4), "initial_simplex": simplex},
     )
     return np.asarray(found.x)

@@ -82,12 +82,12 @@ IN_COUNTS = {
     CHANGE: "counts/degC",
 }
 MODEL_NAMES = {
-    "white": term("white noise"),
-    "rw": term("a random walk"),
-    "gm": term("a Gauss-Markov process"),
+    "white": term("white noise alone"),
+    "rw": term("random walk"),
+    "gm": term("Gauss-Markov"),
     "flicker": term("flicker"),
-    "gm+rw": term("a Gauss-Markov process with a random walk"),
-    "flicker+rw": term("flicker with a random walk"),
+    "gm+rw": term("Gauss-Markov with random walk"),
+    "flicker+rw": term("flicker with random walk"),
 }
 EIGHTHS = 8
 LOUDER = 5.0  # standard uncertainties of a level, from which one is named
@@ -503,7 +503,8 @@ def _warnings(
 ) -> Iterator[str]:
     """Yield what a reader has to know besides."""
     for own, record in zip(runs, health, strict=True):
-        yield from _of_record(own, record)
+        is_new = record is health[0] or record.skipped != health[0].skipped
+        yield from _of_record(own, record, is_new=is_new)
     for name, noise in found.items():
         title = title_of(name)
         if noise.white_from:
@@ -525,7 +526,9 @@ def _warnings(
             yield sentence("recordings.counts", sensor=sensor)
 
 
-def _of_record(own: Sequence[Log], record: RecordHealth) -> Iterator[str]:
+def _of_record(
+    own: Sequence[Log], record: RecordHealth, *, is_new: bool
+) -> Iterator[str]:
     """Yield what is said of one recording."""
     name = record.name
     for log in own:
@@ -541,20 +544,22 @@ def _of_record(own: Sequence[Log], record: RecordHealth) -> Iterator[str]:
             )
         for channel in log.channels.values():
             kept = channel.kept_out
-            if kept.total:
+            shown = {"name": name, "channel": title_of(channel.name)}
+            if kept.stuck:
+                yield sentence("recordings.stuck", **shown, number=kept.stuck)
+            if kept.saturated:
+                yield sentence("recordings.saturated", **shown, number=kept.saturated)
+            if kept.outliers:
                 yield sentence(
-                    "recordings.kept_out",
-                    name=name,
-                    channel=title_of(channel.name),
-                    stuck=kept.stuck,
-                    saturated=kept.saturated,
-                    outliers=kept.outliers,
-                    first=kept.first[0][0] if kept.first else 0.0,
+                    "recordings.outliers",
+                    **shown,
+                    number=kept.outliers,
+                    first=kept.first[0][0],
                 )
             yield from _uneven(name, log, channel.name)
         if log.samples < LEAST_BLOCKS * log.block:
             yield sentence("recordings.short", name=name)
-    if record.skipped:
+    if record.skipped and is_new:
         yield sentence("recordings.skipped", name=name, heads=record.skipped)
 
 

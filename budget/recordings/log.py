@@ -75,11 +75,6 @@ class KeptOut:
     outliers: int = 0
     first: tuple[tuple[float, float], ...] = ()
 
-    @property
-    def total(self) -> int:
-        """All of them."""
-        return self.stuck + self.saturated + self.outliers
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:

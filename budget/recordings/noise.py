@@ -50,6 +50,7 @@ LEAST_FIT = 8  # blocks
 THERE = 0.9  # part of a block's samples that have to be there [1]
 FAST = 10.0  # blocks: a correlation time below is fitted to shorter ones [1]
 FINER = 4
+COARSER, LEAST_COARSE = 4, 256  # blocks of a bound; how many there are at the least
 SHORTEST, LONGEST = 3.0, 0.1  # of a correlation time that is told: blocks, record [1]
 ENOUGH = 50.0  # correlation times, of a record that tells them [1]
 OFF = 3.0  # standard uncertainties, from which the curve differs from the model [1]
@@ -261,9 +262,12 @@ def _estimates(
     there = {one.parameter for one in found}
     if refused is not None:
         found.append(refused)
+    # What is slow is seen in longer blocks as well.
+    times = max(min(COARSER, runs.number // LEAST_COARSE), 1)
+    slower = replace(chosen, data=runs.coarser(times))
     for name in (WALK, FLICKER) if len(fits) > 1 else ():
         if name not in there and (name == WALK or TIME not in chosen.values):
-            bound = upper_bound(chosen, name)
+            bound = upper_bound(slower, name)
             found.append(
                 Estimate(
                     parameter=name, value=bound, interval=(0.0, bound), bound=UPPER

@@ -10,11 +10,10 @@ from budget.inputs.device import read_device
 from budget.inputs.reader import parse
 from budget.inputs.tree import block, flow, quoted
 from budget.names import AXES, Name
-from budget.recordings.characterise import MODEL_NAMES, TIME_LINE, title_of
-from budget.report.answers import Answer
+from budget.recordings.characterise import CHANGE, MODEL_NAMES, TIME_LINE, title_of
 from budget.report.document import json_text
 from budget.report.figures.recorded import recorded_plots
-from budget.report.pages import sections
+from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import DASH, print_given
 from budget.version import __version__
@@ -107,18 +106,18 @@ def characterise_document(
     found: Characterisation, *, date: str, command_line: str = COMMAND
 ) -> Document:
     """Put it into one document: figures, curves, models, and the record's health."""
-    answer, *further = characterise_answer(found)
-    return Answer.of(answer).whole(
+    return document(
         "characterise_page",
+        pictures=[one.picture for one in recorded_plots(found)],
+        **_view(found),
+    ).whole(
+        "characterise",
         provenance_section(
             found.inputs, None, version=__version__, command_line=command_line
         ),
         sign_off_section(),
         json=json_text(found.to_dict()),
         date=date,
-        further=further,
-        pictures=[one.picture for one in recorded_plots(found)],
-        **_view(found),
     )
 
 
@@ -196,7 +195,7 @@ def _figure(
             says["meaning"] = "exact"
         elif one.bound == "upper":
             says["meaning"] = "max"
-        elif one.degrees_of_freedom:
+        elif one.degrees_of_freedom and one.parameter != CHANGE:
             says["degrees_of_freedom"] = f"{one.degrees_of_freedom:.4g}"
         if time is not None:
             says["correlation_time"] = quoted(f"{time.value:.5g} s")

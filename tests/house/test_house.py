@@ -25,7 +25,7 @@ FLOORS = (
     ("settings",),
     ("results",),
     ("calibration", "methods"),
-    ("aiding", "missing"),
+    ("aiding", "missing", "recordings"),
     ("question",),
     ("studies",),
     ("references",),

@@ -37,29 +37,27 @@ LOOKS: Mapping[str, tuple[str, str]] = dict(
     zip(AXES, ((BLUE, "-"), (VERMILION, "--"), (GREEN, ":")), strict=True)
 )
 ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 16.0, 170.0, 34.0, 52.0, 40.0  # [pt]
+SURE = 20.0  # degrees of freedom, of what the title says [1]
 ROOM = 1.3  # beyond the ends of the curves [1]
 
 
 def recorded_plots(found: Characterisation) -> list[Plot]:
     """Show the Allan deviation of each sensor, an axis a curve."""
     plots = []
-    for sensor, rows in groupby(found.allan, key=lambda one: one.sensor):
+    for sensor, own_rows in groupby(found.allan, key=lambda one: one.sensor):
+        rows = [*own_rows]
         curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
-        least = {
-            axis: min(own, key=lambda one: one.deviation)
-            for axis, own in curves.items()
-        }
-        worst = [*least][first_largest([one.deviation for one in least.values()])]
         taus = sorted({one.tau for own in curves.values() for one in own})
-        scale = least[worst].si_per_unit
+        sure = [one.tau for one in rows if one.edf >= SURE] or taus[:1]
+        there = [one for one in rows if one.tau == max(sure)]
+        worst = there[first_largest([one.deviation for one in there])]
+        scale = worst.si_per_unit
         told, table = figure(
             PAGE,
             "recorded",
             sensor=sensor,
             axes=[*curves],
-            unit=least[worst].unit,
-            least=least[worst],
-            size=least[worst].deviation / scale,
+            worst=worst,
             rows=[
                 (
                     tau,
