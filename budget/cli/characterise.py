@@ -11,7 +11,6 @@ import typer
 
 from budget.cli import options
 from budget.cli.export import NAMES, read_rate, read_target
-from budget.inputs.recording import YAML
 from budget.settings import Asked, Engine, Inputs
 
 
@@ -23,7 +22,7 @@ def characterise(
         typer.Argument(
             metavar="LOG...",
             help="Recordings at rest, each a turn-on of one unit: CSV, text, .npy, "
-            ".npz, .parquet, or a recording file (.yaml) that says what its columns "
+            ".npz, or a recording file (.yaml) that says what its columns "
             "are.",
             show_default=False,
         ),
@@ -70,6 +69,7 @@ def characterise(
     """
     from budget.cli.computing import computing
     from budget.cli.output import check_destinations, hand_out, pages_asked
+    from budget.inputs.recording import YAML
     from budget.recordings.characterise import characterise as find
     from budget.report.document import json_text, table_csv
     from budget.report.recording import (

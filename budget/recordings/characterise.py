@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Recording
     from budget.recordings.log import Log
-    from budget.recordings.noise import AxisNoise, Estimate
+    from budget.recordings.noise import FittedNoise, FittedValue
 
 TIME_LINE = "bias_stability.correlation_time"
 REPEATABILITY, CHANGE = "R", "C"
@@ -141,7 +141,7 @@ def characterise(
         for name in channels
     ]
     step = engine.stage("fit of noise")
-    found: list[AxisNoise] = []
+    found: list[FittedNoise] = []
     with local_executor(min(engine.workers, len(tasks))) as pool:
         each = in_order(_fitted, tasks, engine.executor or pool, ahead=len(tasks))
         for one in each:
@@ -205,7 +205,7 @@ def _alone(log: Log, name: str) -> Log:
     return replace(log, channels={name: log.channels[name]})
 
 
-def _fitted(task: tuple[str, Sequence[Log]]) -> AxisNoise:
+def _fitted(task: tuple[str, Sequence[Log]]) -> FittedNoise:
     """Fit one axis.
 
     Raises
@@ -229,7 +229,7 @@ def _fitted(task: tuple[str, Sequence[Log]]) -> AxisNoise:
 def _put_together(
     recordings: Sequence[Recording],
     runs: Sequence[tuple[Log, ...]],
-    found: Mapping[str, AxisNoise],
+    found: Mapping[str, FittedNoise],
 ) -> Characterisation:
     """Return what has been found, in rows, and what has to be said of it."""
     health = tuple(
@@ -282,7 +282,7 @@ def _unit(sensor: str, parameter: str, *, in_counts: bool) -> tuple[str, str, fl
 
 
 def _line(
-    name: str, one: Estimate, noise: AxisNoise, longest: float, *, in_counts: bool
+    name: str, one: FittedValue, noise: FittedNoise, longest: float, *, in_counts: bool
 ) -> NoiseLine:
     """Return an estimate as a line."""
     sensor, _, axis = name.rpartition("_")
@@ -312,7 +312,9 @@ def _line(
     )
 
 
-def _more_lines(name: str, noise: AxisNoise, *, in_counts: bool) -> Iterator[NoiseLine]:
+def _more_lines(
+    name: str, noise: FittedNoise, *, in_counts: bool
+) -> Iterator[NoiseLine]:
     """Yield repeatability and change with temperature, where a recording tells them."""
     sensor, _, axis = name.rpartition("_")
 
@@ -399,7 +401,7 @@ def repeatability(
     return sqrt(square - noise), (low, high), True
 
 
-def _models(name: str, noise: AxisNoise) -> NoiseModels:
+def _models(name: str, noise: FittedNoise) -> NoiseModels:
     """Return the models of one axis."""
     sensor, _, axis = name.rpartition("_")
     least = noise.models[0][2]
@@ -416,7 +418,7 @@ def _models(name: str, noise: AxisNoise) -> NoiseModels:
     )
 
 
-def _allan(name: str, noise: AxisNoise, *, in_counts: bool) -> Iterator[AllanRow]:
+def _allan(name: str, noise: FittedNoise, *, in_counts: bool) -> Iterator[AllanRow]:
     """Yield the Allan deviations of one axis."""
     sensor, _, axis = name.rpartition("_")
     _, unit, size = _unit(sensor, "sigma", in_counts=in_counts)
@@ -439,7 +441,7 @@ def _health(
     recording: Recording,
     own: Sequence[Log],
     place: int,
-    found: Mapping[str, AxisNoise],
+    found: Mapping[str, FittedNoise],
 ) -> RecordHealth:
     """Return the health of one recording."""
     channels, periodic = [], []
@@ -498,7 +500,7 @@ def _order(one: RecordedChannel | PeriodicLine) -> tuple[int, int]:
 
 def _warnings(
     runs: Sequence[tuple[Log, ...]],
-    found: Mapping[str, AxisNoise],
+    found: Mapping[str, FittedNoise],
     health: Sequence[RecordHealth],
 ) -> Iterator[str]:
     """Yield what a reader has to know besides."""
@@ -591,7 +593,7 @@ def _uneven(name: str, log: Log, channel: str) -> Iterator[str]:
 
 def _louder(
     name: str,
-    noise: AxisNoise,
+    noise: FittedNoise,
     runs: Sequence[tuple[Log, ...]],
     health: Sequence[RecordHealth],
 ) -> Iterator[str]:
@@ -611,7 +613,7 @@ def _louder(
             )
 
 
-def _periodic(name: str, noise: AxisNoise, record: RecordHealth) -> Iterator[str]:
+def _periodic(name: str, noise: FittedNoise, record: RecordHealth) -> Iterator[str]:
     """Name lines, and what they can add to N: A^2/(2 pi^2 f^2 D) of its square at most.
 
     A line of amplitude A moves a mean over D by A/(pi f D) at the most.

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Recording
-    from budget.recordings.tables import Piece
+    from budget.recordings.tables import TablePiece
 
     Progress = Callable[[float], None]
 
@@ -227,7 +227,7 @@ class _Opened(NamedTuple):
         piece = next(self.pieces())
         return float(piece.values[0, place]) * (column.size or 1.0)
 
-    def pieces(self) -> Iterator[Piece]:
+    def pieces(self) -> Iterator[TablePiece]:
         """Yield what is read."""
         return self.table.pieces(self.wanted)
 
@@ -327,7 +327,7 @@ class _Reading:
         self.looks: list[_Look] = []
         self.kept = [KeptOut() for _ in self.names]
 
-    def take(self, opened: _Opened, piece: Piece) -> None:
+    def take(self, opened: _Opened, piece: TablePiece) -> None:
         """Add a piece."""
         read = opened.read
         values = np.stack(
@@ -361,7 +361,7 @@ class _Reading:
             self.sums[k, start : start + n] += np.bincount(at, own[there], n)
             self.counts[k, start : start + n] += np.bincount(at, minlength=n)
 
-    def _places(self, opened: _Opened, piece: Piece) -> NDArray[np.int64]:
+    def _places(self, opened: _Opened, piece: TablePiece) -> NDArray[np.int64]:
         """Return where the samples of a piece stand on the grid."""
         n = len(piece.values)
         if not self.clock:

@@ -60,7 +60,7 @@ TWO_SIDED, UPPER, REFUSED = "two-sided", "upper", "refused"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
+class FittedValue:
     """One parameter of one axis.
 
     Attributes
@@ -105,7 +105,7 @@ class CurvePoint:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AxisNoise:
+class FittedNoise:
     """What the noise of one axis is.
 
     Attributes
@@ -118,7 +118,7 @@ class AxisNoise:
         The model whose values are told.
     block : float
         Length of the blocks that were fitted [s].
-    estimates : tuple of Estimate
+    estimates : tuple of FittedValue
     curve : tuple of CurvePoint
     white_from : float
         Averaging time below which it is not white [s]; 0 where it is.
@@ -134,7 +134,7 @@ class AxisNoise:
     models: tuple[tuple[str, float, float], ...]
     chosen: str
     block: float
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[FittedValue, ...]
     curve: tuple[CurvePoint, ...]
     white_from: float
     means: tuple[tuple[float, float], ...]
@@ -159,7 +159,7 @@ class AxisNoise:
         }
 
 
-def noise_of(channel: str, logs: Sequence[Log]) -> AxisNoise:
+def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     """Fit the noise of one axis to all runs of it.
 
     Raises
@@ -188,7 +188,7 @@ def noise_of(channel: str, logs: Sequence[Log]) -> AxisNoise:
     quantisation, white_from = _below(curve, chosen, of_white, size)
     if quantisation is not None:
         estimates = (*estimates, quantisation)
-    return AxisNoise(
+    return FittedNoise(
         channel=channel,
         models=tuple((one.model, one.log_likelihood, one.bic) for one in fits),
         chosen=chosen.model,
@@ -246,7 +246,7 @@ def _gathered(values: Array, number: int) -> Array:
 
 def _estimates(
     fits: Sequence[NoiseFit], runs: Runs
-) -> tuple[NoiseFit, tuple[Estimate, ...]]:
+) -> tuple[NoiseFit, tuple[FittedValue, ...]]:
     """Return the model that is told, and its values with intervals and bounds."""
     chosen, refused = _told(fits, runs)
     found = [
@@ -269,14 +269,14 @@ def _estimates(
         if name not in there and (name == WALK or TIME not in chosen.values):
             bound = upper_bound(slower, name)
             found.append(
-                Estimate(
+                FittedValue(
                     parameter=name, value=bound, interval=(0.0, bound), bound=UPPER
                 )
             )
     return chosen, tuple(found)
 
 
-def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, Estimate | None]:
+def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, FittedValue | None]:
     """Return the best model, and its correlation time if that is refused.
 
     One of a process too slow for its time stays, for what it is over the record: a
@@ -289,7 +289,7 @@ def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, Estimate | No
     if SHORTEST * runs.block <= low and high <= LONGEST * runs.duration:
         return best, None
     time = best.values[TIME]
-    refused = Estimate(
+    refused = FittedValue(
         parameter=TIME,
         value=time,
         interval=(low, high),
@@ -303,11 +303,11 @@ def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, Estimate | No
 
 def _two_sided(
     name: str, value: float, ends: tuple[float, float], near: tuple[float, float]
-) -> Estimate:
+) -> FittedValue:
     """Return what is told of a parameter, of its intervals at 95 and 68 %."""
     is_closed = near[0] > 0.0 and isfinite(near[1])
     relative = 0.5 * log(near[1] / near[0]) if is_closed else 1.0 / sqrt(2.0)
-    return Estimate(parameter=name, value=value, interval=ends, relative=relative)
+    return FittedValue(parameter=name, value=value, interval=ends, relative=relative)
 
 
 def _curve(
@@ -348,7 +348,7 @@ def _points(
     curve: Sequence[tuple[AllanPoint, float]],
     values: Mapping[str, float],
     longest: float,
-    quantisation: Estimate | None,
+    quantisation: FittedValue | None,
 ) -> list[CurvePoint]:
     """Return the curve with intervals, by the slope of the model, beside the model."""
     taus = np.array([one.tau for one, _ in curve])
@@ -379,7 +379,7 @@ def _below(
     chosen: NoiseFit,
     of_white: float,
     size: int,
-) -> tuple[Estimate | None, float]:
+) -> tuple[FittedValue | None, float]:
     """Hold the curve below a block against the model: quantisation, or not white.
 
     Rounding of increments adds 3 Q^2/tau^2: the excess over the model is that at one
@@ -405,7 +405,7 @@ def _below(
             spread = u[0] / excess[0] / 2.0  # relative, of Q
             q = sqrt(steps[0])
             reach = 1.959964 * spread
-            told = Estimate(
+            told = FittedValue(
                 parameter=QUANTISATION,
                 value=q,
                 interval=(q * np.exp(-reach), q * np.exp(reach)),

@@ -1,4 +1,4 @@
-"""Files of numbers in rows, read in pieces: text, NumPy arrays, Parquet."""
+"""Files of numbers in rows, read in pieces: text and NumPy arrays."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.lib.format import open_memmap, read_array
 
 from budget.errors import Issue, SpecError
 from budget.inputs.reader import refuse
@@ -31,11 +32,10 @@ SEPARATORS = (",", ";", "\t")
 _BEFORE_HEAD = re.compile(r"\s+(?!\[)")  # not before a unit in brackets
 BOM = b"\xef\xbb\xbf"
 ARRAYS = {".npy", ".npz"}
-PARQUET = {".parquet", ".pq"}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Piece:
+class TablePiece:
     """Some rows of a file.
 
     Attributes
@@ -69,21 +69,20 @@ class NumberTable:
         self.heads: tuple[str, ...] = ()
         self.width = 0
         kind = path.suffix.lower()
-        self._kind = kind if kind in ARRAYS | PARQUET else ""
+        self._kind = kind if kind in ARRAYS else ""
         try:
             note_read(path)
             self.size = path.stat().st_size
             if path.is_dir():
                 raise refuse(shown, "is a folder, expected a recording")
             opened = {"": self._open_text, ".npy": self._open_array}
-            opened |= {".npz": self._open_archive}
-            opened.get(self._kind, self._open_parquet)()
+            opened.get(self._kind, self._open_archive)()
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             message = f"cannot be read ({reason}), expected a recording"
             raise refuse(shown, message) from None
 
-    def pieces(self, wanted: Sequence[int]) -> Iterator[Piece]:
+    def pieces(self, wanted: Sequence[int]) -> Iterator[TablePiece]:
         """Yield the rows of some columns.
 
         Raises
@@ -94,11 +93,8 @@ class NumberTable:
         if not self._kind:
             yield from self._of_text(wanted)
             return
-        rows: Iterator[tuple[Array, float]] = (
-            self._of_array(wanted) if self._kind in ARRAYS else self._of_parquet(wanted)
-        )
         line = 1
-        for values, done in rows:
+        for values, done in self._of_array(wanted):
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             if bad.size:
                 column = int(np.flatnonzero(~np.isfinite(values[bad[0]]))[0])
@@ -107,7 +103,7 @@ class NumberTable:
                     "leave such rows out, gaps are found by stamps or a counter"
                 )
                 raise self.fault(line + int(bad[0]), wanted[column] + 1, message)
-            yield Piece(line=line, values=values, done=done)
+            yield TablePiece(line=line, values=values, done=done)
             line += len(values)
         if not self.sha256:
             self.sha256 = _sha256(self.path)
@@ -137,8 +133,8 @@ class NumberTable:
         if b"\0" in start:
             raise refuse(
                 self.shown,
-                "holds bytes that are no text, expected CSV, whitespace text, .npy, "
-                ".npz or .parquet; a file of arrays needs its ending",
+                "is neither text nor named as an array, expected CSV, whitespace text, "
+                ".npy or .npz; save other files as one of these",
             )
         self._skip = len(BOM) if start.startswith(BOM) else 0
         self._line = 1
@@ -162,7 +158,7 @@ class NumberTable:
                 heads = [cell.strip().strip('"') for cell in named]
             if end < 0:
                 message = (
-                    "holds no row of numbers, expected some below their heads, as "
+                    "has no row of numbers, expected some below their heads, as "
                     "time [s],gyro_x [deg/s]"
                 )
                 raise refuse(self.shown, message)
@@ -188,7 +184,7 @@ class NumberTable:
             )
             raise self.fault(self._line, error.start + 1, message) from None
 
-    def _of_text(self, wanted: Sequence[int]) -> Iterator[Piece]:
+    def _of_text(self, wanted: Sequence[int]) -> Iterator[TablePiece]:
         """Yield pieces of text, each up to the end of a line."""
         digest = sha256()
         line, left = self._line, b""
@@ -218,7 +214,7 @@ class NumberTable:
 
     def _rows(
         self, data: bytes, line: int, wanted: Sequence[int], read: int
-    ) -> Iterator[Piece]:
+    ) -> Iterator[TablePiece]:
         """Yield the rows of a piece of text, if there are any."""
         import pandas as pd
 
@@ -243,7 +239,9 @@ class NumberTable:
             is_sound = is_sound and each == len(values) * (self.width - 1)
         if not is_sound:
             raise self._located(data, line, wanted)
-        yield Piece(line=line, values=values, done=min(read / max(self.size, 1), 1.0))
+        yield TablePiece(
+            line=line, values=values, done=min(read / max(self.size, 1), 1.0)
+        )
 
     def _located(self, data: bytes, line: int, wanted: Sequence[int]) -> SpecError:
         """Return the error of rows that are none: the first of them, and how many."""
@@ -262,7 +260,7 @@ class NumberTable:
             (issue,) = self.fault(number, *said).issues
             found.append(issue)
         if not found:
-            return refuse(self.shown, "holds rows that cannot be read as numbers")
+            return refuse(self.shown, "has rows that cannot be read as numbers")
         if more:
             last = found.pop()
             message = f"{last.message}; {more} more rows near it are no better"
@@ -297,17 +295,20 @@ class NumberTable:
 
     def _open_array(self) -> None:
         """Map an array into memory."""
-        self._array(np.load(self.path, mmap_mode="r", allow_pickle=False))
+        self._array(open_memmap(self.path, mode="r"))
 
     def _open_archive(self) -> None:
         """Read the arrays of an archive, each a column that its name is the head of."""
         import zipfile
         import zlib
 
+        names, arrays = [], []
         try:
-            with np.load(self.path, allow_pickle=False) as archive:
-                names = archive.files
-                arrays = [archive[name] for name in names]
+            with zipfile.ZipFile(self.path) as archive:
+                for member in archive.namelist():
+                    with archive.open(member) as stream:
+                        names.append(member.removesuffix(".npy"))
+                        arrays.append(read_array(stream, allow_pickle=False))
         except (zipfile.BadZipFile, zlib.error, KeyError, EOFError) as error:
             raise ValueError(str(error)) from None
         if len(arrays) == 1:
@@ -318,7 +319,7 @@ class NumberTable:
             for one in arrays
         ):
             message = (
-                "holds arrays that are no columns, expected one of rows and columns, "
+                "has arrays that are no columns, expected one of rows and columns, "
                 "or one for each column, all of one length, named by its head"
             )
             raise refuse(self.shown, message)
@@ -344,7 +345,7 @@ class NumberTable:
                 self.heads = tuple(names) if wide.shape[1] == 1 else ()
         if not sound or not self._columns or not len(self._columns[0]):
             message = (
-                f"holds an array of shape {array.shape} and type {array.dtype}, "
+                f"has an array of shape {array.shape} and type {array.dtype}, "
                 "expected numbers in rows and columns, a row a sample"
             )
             raise refuse(self.shown, message)
@@ -360,37 +361,6 @@ class NumberTable:
             some = slice(start, start + ROWS)
             values = [np.asarray(self._columns[k][some], dtype=float) for k in wanted]
             yield np.stack(values, axis=1), min((start + ROWS) / n, 1.0)
-
-    # ---- Parquet ---------------------------------------------------------------------
-
-    def _open_parquet(self) -> None:
-        """Open a Parquet file, if there is what reads it."""
-        try:
-            from pyarrow import parquet  # type: ignore[import-not-found,unused-ignore]
-        except ImportError:
-            message = (
-                "needs pyarrow, which reads Parquet: pip install pyarrow; or save the "
-                "recording as .npy or .csv"
-            )
-            raise refuse(self.shown, message) from None
-        self._file = parquet.ParquetFile(self.path)
-        self.heads = tuple(self._file.schema_arrow.names)
-        self.width = len(self.heads)
-
-    def _of_parquet(self, wanted: Sequence[int]) -> Iterator[tuple[Array, float]]:
-        """Yield rows of its columns."""
-        names = [self.heads[k] for k in wanted]
-        n, done = max(self._file.metadata.num_rows, 1), 0
-        for batch in self._file.iter_batches(batch_size=ROWS, columns=names):
-            by_name = dict(zip(batch.schema.names, batch.columns, strict=True))
-            try:
-                own = [by_name[name].to_numpy(zero_copy_only=False) for name in names]
-                values = np.stack([one.astype(float) for one in own], axis=1)
-            except (TypeError, ValueError):
-                message = "holds columns that are no numbers, expected numbers"
-                raise refuse(self.shown, message) from None
-            done += len(values)
-            yield values, done / n
 
 
 def _cells(text: str, separator: str) -> list[str]:
