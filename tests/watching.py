@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 from command_line import Outcome, surroundings
+from places import TESTS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -40,6 +41,10 @@ CALLS = {
     ),
     "compare": ("compare", "hg4930", *GRADE, "--method", "gum", "-o", "a.html"),
     "decide": ("decide", GRADE[1], "hg4930", "-o", "a.html", "--json", "a.json"),
+    "characterise": (
+        *("characterise", str(TESTS / "data" / "static.csv")),
+        *("-o", "a.yaml", "-o", "a.html", "--json", "a.json"),
+    ),
     "devices": ("devices", "hg4930"),
     "paper": (
         *("paper", "-o", "a.html", "-o", "a.pdf"),

@@ -247,14 +247,7 @@ def _put_together(
         lines += _more_lines(name, noise, in_counts=in_counts)
     return Characterisation(
         title=", ".join(one.name for one in recordings),
-        inputs=tuple(
-            InputFile(role="recording", name=name, sha256=digest)
-            for one, own in zip(recordings, runs, strict=True)
-            for name, digest in (
-                *(((one.name, one.origin.sha256),) if one.origin else ()),
-                *(pair for log in own for pair in log.sha256),
-            )
-        ),
+        inputs=tuple(_files(recordings, runs)),
         lines=tuple(lines),
         models=tuple(_models(name, one) for name, one in found.items()),
         allan=tuple(
@@ -266,6 +259,23 @@ def _put_together(
         assumptions=(sentence("recordings.at_rest"),),
         warnings=tuple(dict.fromkeys(_warnings(runs, found, health))),
     )
+
+
+def _files(
+    recordings: Sequence[Recording], runs: Sequence[tuple[Log, ...]]
+) -> Iterator[InputFile]:
+    """Yield the files that were read; several are numbered."""
+    every = [
+        pair
+        for one, own in zip(recordings, runs, strict=True)
+        for pair in (
+            *(((one.name, one.origin.sha256),) if one.origin else ()),
+            *(pair for log in own for pair in log.sha256),
+        )
+    ]
+    for number, (name, digest) in enumerate(every, start=1):
+        role = f"recording {number}" if len(every) > 1 else "recording"
+        yield InputFile(role=role, name=name, sha256=digest)
 
 
 def _has_counts(runs: Sequence[tuple[Log, ...]], name: str) -> bool:

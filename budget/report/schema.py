@@ -17,6 +17,7 @@ from budget.inputs.schema import DIALECT
 from budget.known import Known
 from budget.names import Name
 from budget.navigation.route import Outline
+from budget.recordings.records import Characterisation
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -27,7 +28,10 @@ from budget.studies.what_if import SourceSteps
 
 Node = dict[str, Any]  # a part of a JSON Schema
 
-STUDIES = (Budget, Comparison, Decision, Allocation, Qualification, Export)
+STUDIES = (
+    *(Budget, Comparison, Decision, Allocation, Qualification, Export),
+    Characterisation,
+)
 STORED = ("check", "difference", "device_list", "one_device")
 # Where these have their forms.
 FORMING = ("budget.report.reference.document", "budget.report.catalogue")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import jsonschema
 import pytest
 from command_line import SCHEMA, call, checked
+from places import TESTS
 
 EDGE = ("--requirement", "catalogue-edge")
 PREDICT = ("--missing", "predict")
@@ -21,6 +22,7 @@ CALLS = {
         *("compare", "zhao-2019", "hg4930#A", "ltm210#S10", "--pairs", *EDGE),
         *("--method", "gum", *PREDICT),
     ),
+    "characterise": ("characterise", str(TESTS / "data" / "static.csv")),
     "paper": ("paper",),
 }
 
