@@ -7,6 +7,7 @@ import re
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
+from tokenize import TokenError
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +33,12 @@ SEPARATORS = (",", ";", "\t")
 _BEFORE_HEAD = re.compile(r"\s+(?!\[)")  # not before a unit in brackets
 BOM = b"\xef\xbb\xbf"
 ARRAYS = {".npy", ".npz"}
+# What NumPy raises of an array whose head is spoilt: it is read as Python.
+SPOILT = (
+    *(ValueError, SyntaxError, TokenError, TypeError, KeyError, EOFError),
+    *(OverflowError, MemoryError),
+)
+MOST_REASON = 120  # characters
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,8 +84,8 @@ class NumberTable:
                 raise refuse(shown, "is a folder, expected a recording")
             opened = {"": self._open_text, ".npy": self._open_array}
             opened.get(self._kind, self._open_archive)()
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
+        except (OSError, *SPOILT) as error:
+            reason = getattr(error, "strerror", None) or str(error)[:MOST_REASON]
             message = f"cannot be read ({reason}), expected a recording"
             raise refuse(shown, message) from None
 
@@ -309,7 +316,7 @@ class NumberTable:
                     with archive.open(member) as stream:
                         names.append(member.removesuffix(".npy"))
                         arrays.append(read_array(stream, allow_pickle=False))
-        except (zipfile.BadZipFile, zlib.error, KeyError, EOFError) as error:
+        except (zipfile.BadZipFile, zlib.error, RuntimeError) as error:
             raise ValueError(str(error)) from None
         if len(arrays) == 1:
             self._array(arrays[0], names)
