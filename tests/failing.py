@@ -10,6 +10,7 @@ from pathlib import Path
 
 from command_line import call, surroundings
 from forked import NO_READER, run_forked
+from places import TESTS
 
 from budget.resources import shipped
 
@@ -22,6 +23,7 @@ GUM = ("--method", "gum")
 DEVICE = shipped("specs") / "devices" / "zhao-2019.yaml"
 
 # Quick calls of every command that prints results, with the code of success.
+LOG = str(TESTS / "data" / "static.csv")
 PRINTING = {
     "analyze": ("analyze", "--no-validate", *GRADE),
     "analyze full": ("analyze", "--no-validate", "--full"),
@@ -39,6 +41,7 @@ PRINTING = {
     "devices": ("devices",),
     "devices of a kind": ("devices", "--kind", "gyro", "--grade", "tactical"),
     "devices json": ("devices", "--json", "-"),
+    "characterise": ("characterise", LOG),
     "paper": ("paper",),
     "validate": ("validate", DEVICE),
     "schema": ("schema", "device"),
@@ -69,6 +72,10 @@ WRITING = {
     "compare": ("compare", "zhao-2019", *GRADE, *GUM, "-o", "a.html"),
     "decide": ("decide", "catalogue-edge", "zhao-2019", "-o", "a.html"),
     "devices": ("devices", "--json", "a.json"),
+    "characterise": (
+        *("characterise", LOG, "--json", "a.json", "--csv", "a.csv"),
+        *("-o", "a.html", "-o", "a.yaml"),
+    ),
     "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
     "report": ("report", "adxl357", "--no-validate", "-o", "a.html"),
     "diff": ("diff", "hg4930#A", "hg4930#C", "--json", "a.json"),

@@ -135,10 +135,11 @@ def test_turn_ons_give_the_repeatability(tmp_path):
     assert_allclose(less**2, value**2 - 900.0, rtol=1e-9)
     _, _, is_told = repeatability([(one, 200.0) for one in means])
     assert not is_told
-    paths = [
-        write(tmp_path / f"{k}.csv", [*short_log(3000, seed=k), 0, 50.0 * k, 0, 0])
-        for k in range(3)
-    ]
+    paths = []
+    for k in range(3):
+        values = short_log(3000, seed=k)
+        values[:, 1] += 50.0 * k
+        paths.append(write(tmp_path / f"{k}.csv", values))
     found = characterise(*paths)
     x = by_line(found)["x", "R"]
     assert x[2].bound == "two-sided"

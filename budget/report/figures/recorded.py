@@ -43,43 +43,45 @@ ROOM = 1.3  # beyond the ends of the curves [1]
 
 def recorded_plots(found: Characterisation) -> list[Plot]:
     """Show the Allan deviation of each sensor, an axis a curve."""
-    plots = []
-    for sensor, own_rows in groupby(found.allan, key=lambda one: one.sensor):
-        rows = [*own_rows]
-        curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
-        taus = sorted({one.tau for own in curves.values() for one in own})
-        sure = [one.tau for one in rows if one.edf >= SURE] or taus[:1]
-        there = [one for one in rows if one.tau == max(sure)]
-        worst = there[first_largest([one.deviation for one in there])]
-        scale = worst.si_per_unit
-        told, table = figure(
-            PAGE,
-            "recorded",
-            sensor=sensor,
-            axes=[*curves],
-            worst=worst,
-            rows=[
-                (
-                    tau,
-                    [
-                        next((one for one in own if one.tau == tau), None)
-                        for own in curves.values()
-                    ],
-                )
-                for tau in taus
-            ],
-            scale=scale,
-        )
-        plots.append(
-            Plot(
-                name=f"allan-{sensor}",
-                said=told,
-                table=table,
-                draw=partial(_draw, curves, told),
-                alt=alternative_of_curves(told.title, table),
+    return [
+        _plot(sensor, [*rows])
+        for sensor, rows in groupby(found.allan, key=lambda one: one.sensor)
+    ]
+
+
+def _plot(sensor: str, rows: Sequence[AllanRow]) -> Plot:
+    """Show the Allan deviation of one sensor."""
+    curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
+    taus = sorted({one.tau for own in curves.values() for one in own})
+    sure = [one.tau for one in rows if one.edf >= SURE] or taus[:1]
+    there = [one for one in rows if one.tau == max(sure)]
+    worst = there[first_largest([one.deviation for one in there])]
+    scale = worst.si_per_unit
+    told, table = figure(
+        PAGE,
+        "recorded",
+        sensor=sensor,
+        axes=[*curves],
+        worst=worst,
+        rows=[
+            (
+                tau,
+                [
+                    next((one for one in own if one.tau == tau), None)
+                    for own in curves.values()
+                ],
             )
-        )
-    return plots
+            for tau in taus
+        ],
+        scale=scale,
+    )
+    return Plot(
+        name=f"allan-{sensor}",
+        said=told,
+        table=table,
+        draw=lambda: _draw(curves, told),
+        alt=alternative_of_curves(told.title, table),
+    )
 
 
 def _draw(curves: Mapping[str, Sequence[AllanRow]], told: SimpleNamespace) -> Figure:
