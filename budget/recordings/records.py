@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     value / unit [unit]: 1 sigma; of an upper bound the bound
     unit: 'counts' and the like where no gain is given
     standard_uncertainty? / unit [unit]: of what is told
-    interval / unit (list[float | None]) [unit]: at 95 %; null: no end
+    interval_low = interval.0 / unit [unit]: at 95 %
+    interval_high = interval.1 / unit or null [unit]: null: it has no end
     bound: 'two-sided', 'upper', or 'refused' of what the recording is too short to tell
     degrees_of_freedom? [1]: of the value
     why?: it is no value
     """,
-    interval=lambda row: [one if one < float("inf") else None for one in row.interval],
 )
 @dataclass(frozen=True, kw_only=True)
 class NoiseLine(Documented):
