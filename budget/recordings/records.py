@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     line: as in a device file, bias_stability.correlation_time apart
     value / unit [unit]: 1 sigma; of an upper bound the bound
     unit: 'counts' and the like where no gain is given
-    standard_uncertainty? / unit [unit]: of what is told
+    standard_uncertainty / unit [unit]: null of what is not told
     interval_low = interval.0 / unit [unit]: at 95 %
     interval_high = interval.1 / unit or null [unit]: null: it has no end
     bound: 'two-sided', 'upper', or 'refused' of what the recording is too short to tell
-    degrees_of_freedom? [1]: of the value
-    why?: it is no value
+    degrees_of_freedom [1]: of the value; null of what is not told
+    why: it is no value; empty of what is told
     """,
 )
 @dataclass(frozen=True, kw_only=True)
