@@ -175,7 +175,7 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     size = base * max(-(-longest // (BLOCKS * base)), 1)
     models = ("white",) if is_short else tuple(MODELS)
     while True:
-        runs = _runs(own, size)
+        runs = block_means(own, size)
         fits = fit_models(runs, models)
         best = fits[0]
         time = best.values.get(TIME, inf)
@@ -202,7 +202,7 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     )
 
 
-def _runs(own: Sequence[tuple[Log, Channel]], size: int) -> Runs:
+def block_means(own: Sequence[tuple[Log, Channel]], size: int) -> Runs:
     """Return means of blocks of so many samples.
 
     Raises
@@ -221,8 +221,12 @@ def _runs(own: Sequence[tuple[Log, Channel]], size: int) -> Runs:
         y[is_there] = sums[is_there] / counts[is_there]
         columns = [np.ones(len(y))]
         if log_.temperature is not None:
-            warm = _gathered(np.nan_to_num(log_.temperature), size // log_.block)
-            warm /= size // log_.block
+            known = np.isfinite(log_.temperature)
+            warm, number = (
+                _gathered(one, size // log_.block)
+                for one in (np.where(known, log_.temperature, 0.0), known * 1.0)
+            )
+            warm /= np.maximum(number, 1.0)  # of what is there: a gap is no 0 degC
             if is_there.sum() > 1 and np.ptp(warm[is_there]) > 0.0:
                 columns.append(warm - warm[is_there].mean())
         found.append(

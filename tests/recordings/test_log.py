@@ -12,6 +12,7 @@ from budget.inputs import load_recording, validate
 from budget.inputs.recording import with_columns
 from budget.recordings import tables
 from budget.recordings.log import read_logs
+from budget.recordings.noise import block_means
 from budget.recordings.periodic import periodic_lines
 
 DEG_PER_HOUR = np.pi / 180.0 / 3600.0
@@ -217,3 +218,20 @@ def test_a_recording_elsewhere_is_not_read(tmp_path):
     (tmp_path / "sub" / "a.yaml").write_text("recording: ../secret.csv\n")
     with pytest.raises(BudgetError, match="in the folder of this one"):
         load_recording(tmp_path / "sub" / "a.yaml")
+
+
+def test_a_gap_is_no_temperature(tmp_path):
+    """Of a block that lacks some samples the temperature is the mean of the others."""
+    n = 4000
+    rows = np.column_stack([short_log(n), np.linspace(20.0, 21.0, n)])
+    gone = np.concatenate([np.arange(k, k + 10) for k in range(500, n, 1000)])
+    path = write(
+        tmp_path / "a.csv",
+        np.delete(rows, gone, axis=0),
+        (*HEADS, "temperature [degC]"),
+    )
+    log = read(path)
+    runs = block_means([(log, log.channels["gyro_x"])], 200)
+    warm = runs.records[0].X[:, 1]
+    assert np.isfinite(runs.records[0].y).all()
+    assert_allclose(np.diff(warm), 0.05, rtol=0.06)
