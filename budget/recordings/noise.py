@@ -224,7 +224,7 @@ def block_means(own: Sequence[tuple[Log, Channel]], size: int) -> Runs:
             known = np.isfinite(log_.temperature)
             warm, number = (
                 _gathered(one, size // log_.block)
-                for one in (np.where(known, log_.temperature, 0.0), known * 1.0)
+                for one in (np.where(known, log_.temperature, 0.0), known.astype(float))
             )
             warm /= np.maximum(number, 1.0)  # of what is there: a gap is no 0 degC
             if is_there.sum() > 1 and np.ptp(warm[is_there]) > 0.0:
