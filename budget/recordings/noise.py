@@ -222,11 +222,11 @@ def block_means(own: Sequence[tuple[Log, Channel]], size: int) -> Runs:
         columns = [np.ones(len(y))]
         if log_.temperature is not None:
             known = np.isfinite(log_.temperature)
-            warm, number = (
+            warm, there = (
                 _gathered(one, size // log_.block)
                 for one in (np.where(known, log_.temperature, 0.0), known.astype(float))
             )
-            warm /= np.maximum(number, 1.0)  # of what is there: a gap is no 0 degC
+            warm /= np.maximum(there, 1.0)  # of what is there: a gap is no 0 degC
             if is_there.sum() > 1 and np.ptp(warm[is_there]) > 0.0:
                 columns.append(warm - warm[is_there].mean())
         found.append(
