@@ -16,6 +16,7 @@ from budget.report.figures.recorded import recorded_plots
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import DASH, print_given
+from budget.sentences import sentence
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -92,9 +93,17 @@ def _view(found: Characterisation) -> dict[str, object]:
             for sensor in found.sensors
         },
         "refused": [
-            (title_of(f"{one.sensor}_{one.axis}"), one.why)
-            for one in found.lines
-            if one.bound == "refused"
+            *(
+                (sensor, sentence("recordings.short", name=found.title))
+                for sensor in found.sensors
+                for one in found.models[:1]
+                if len(one.candidates) == 1
+            ),
+            *(
+                (title_of(f"{one.sensor}_{one.axis}"), one.why)
+                for one in found.lines
+                if one.bound == "refused"
+            ),
         ],
         "MODEL_NAMES": MODEL_NAMES,
         "DASH": DASH,
