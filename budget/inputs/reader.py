@@ -7,6 +7,7 @@ import re
 import sys
 from functools import lru_cache
 from hashlib import sha256
+from math import isfinite
 from typing import TYPE_CHECKING, TextIO
 
 from budget.errors import Issue, SpecError
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 # A device file has 2 KiB.
 MOST_BYTES = 64 * 1024
+ODD = re.compile("[^0-9eE.+ \t,\r-]")  # what a row of numbers has not
 INPUT = "standard input"  # its name in messages and results
 
 
@@ -81,6 +83,14 @@ def parse(data: bytes, shown: str, *, base_name: str) -> YamlFile:
         issues=tuple(issues),
         text=data.decode(),  # with its byte order mark, if it has one
     )
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell of a table is a finite number, in digits."""
+    try:
+        return not ODD.search(cell) and bool(isfinite(float(cell)))
+    except ValueError:
+        return False
 
 
 def refuse(shown: str, message: str, mark: Location = START) -> SpecError:

@@ -17,7 +17,7 @@ from budget.errors import BudgetError, Issue, UnitError
 from budget.inputs.checking import nearest
 from budget.inputs.files import find, open_file
 from budget.inputs.procedure import MOST_HEIGHT
-from budget.inputs.reader import read_bytes, refuse
+from budget.inputs.reader import ODD, is_number, read_bytes, refuse
 from budget.inputs.records import Origin
 from budget.inputs.tree import all_of, describe
 from budget.navigation.route import Track
@@ -109,7 +109,6 @@ _HEAD = re.compile(r"([^\[\]]*?)\s*\[([^\[\]]*)\]")
 _LOOSE = re.compile(
     r"(.*?)(?:[ _]*[(\[{].*|[ _]+(?:rad|degs?|degrees|m|ms|s|sec|ft|km))?"
 )
-_ODD = re.compile("[^0-9eE.+ \t,\r-]")  # what a row of numbers has not
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -409,7 +408,7 @@ class _Table:
             points = "; write points in the numbers then, not commas"
             message = f"parts its columns by {other!r}, expected commas, as {EXAMPLE}"
             self._add(0, 0, "", f"{message}{points if ',' in lines[1] else ''}")
-        elif not _ODD.search(lines[0]):
+        elif not ODD.search(lines[0]):
             message = f"is of numbers, expected a header above them, as {EXAMPLE}"
             self._add(0, 0, "", message)
         self._raise()
@@ -484,11 +483,11 @@ class _Table:
             self._add(number, 0, "", message)
             return []
         cells = line.split(",")
-        if not _ODD.search(line):
+        if not ODD.search(line):
             with suppress(ValueError):
                 return [float(cell) for cell in cells]
         for place, cell in enumerate(cells):
-            if not _is_number(cell):
+            if not is_number(cell):
                 self._refuse(number, place, "expected a number")
         return []
 
@@ -574,14 +573,6 @@ class _Table:
             raise all_of(
                 one for alike in self.issues.values() for one in _at_most(alike)
             )
-
-
-def _is_number(cell: str) -> bool:
-    """Whether a cell is a finite number, in digits."""
-    try:
-        return not _ODD.search(cell) and bool(np.isfinite(float(cell)))
-    except ValueError:
-        return False
 
 
 def _at_most(alike: list[Issue]) -> list[Issue]:

@@ -13,9 +13,9 @@ from budget.inputs import load_recording
 from budget.inputs.recording import with_columns
 from budget.language import term
 from budget.methods.execution import in_order, local_executor
-from budget.model.sources import SENSORS
+from budget.model.sources import ACCELEROMETER, SENSORS, source_of
 from budget.names import AXES
-from budget.recordings.columns import CHANNELS
+from budget.recordings.columns import CHANNELS, COUNTS
 from budget.recordings.log import SAME_RATE, read_logs
 from budget.recordings.noise import (
     LEAST_BLOCKS,
@@ -50,30 +50,24 @@ if TYPE_CHECKING:
 
 TIME_LINE = "bias_stability.correlation_time"
 REPEATABILITY, CHANGE = "R", "C"
-COUNTS = "counts"
-# By parameter: the line of a device file, its unit, and its value over the parameter.
-FIGURES: Mapping[str, Mapping[str, tuple[str, str, float]]] = {
-    "gyro": {
-        "N": ("angle_random_walk", "deg/sqrt(h)", 1.0),
-        "K": ("rate_random_walk", "deg/h/sqrt(h)", 1.0),
-        "sigma": ("bias_stability", "deg/h", 1.0),
-        "tau": (TIME_LINE, "s", 1.0),
-        "B": ("flicker", "deg/h", 1.0),
-        "Q": ("quantization", "arcsec", sqrt(12.0)),
-        REPEATABILITY: ("bias_repeatability", "deg/h", 1.0),
-        CHANGE: ("bias_temperature_coefficient", "deg/h/degC", 1.0),
-    },
-    "accelerometer": {
-        "N": ("velocity_random_walk", "m/s/sqrt(h)", 1.0),
-        "K": ("acceleration_random_walk", "ug/sqrt(h)", 1.0),
-        "sigma": ("bias_stability", "ug", 1.0),
-        "tau": (TIME_LINE, "s", 1.0),
-        "B": ("flicker", "ug", 1.0),
-        "Q": ("quantization", "m/s", sqrt(12.0)),
-        REPEATABILITY: ("bias_repeatability", "ug", 1.0),
-        CHANGE: ("bias_temperature_coefficient", "ug/degC", 1.0),
-    },
+# By parameter: the line of a device file, and its value over the parameter.
+FIGURES: Mapping[str, tuple[str, float]] = {
+    "N": ("angle_random_walk", 1.0),
+    "K": ("rate_random_walk", 1.0),
+    "sigma": ("bias_stability", 1.0),
+    "tau": (TIME_LINE, 1.0),
+    "B": ("flicker", 1.0),
+    "Q": ("quantization", sqrt(12.0)),
+    REPEATABILITY: ("bias_repeatability", 1.0),
+    CHANGE: ("bias_temperature_coefficient", 1.0),
 }
+# What an accelerometer has in the place of a line of a gyro.
+OF_ACCELERATION = {
+    "angle_random_walk": "velocity_random_walk",
+    "rate_random_walk": "acceleration_random_walk",
+}
+# A noise per root of hertz could be one-sided: this is not.
+UNITS = {"velocity_random_walk": "m/s/sqrt(h)", TIME_LINE: "s"}
 IN_COUNTS = {
     "N": "counts sqrt(s)",
     "K": "counts/sqrt(s)",
@@ -285,9 +279,12 @@ def _has_counts(runs: Sequence[tuple[Log, ...]], name: str) -> bool:
 
 def _unit(sensor: str, parameter: str, *, in_counts: bool) -> tuple[str, str, float]:
     """Return line, unit and size of a parameter: what it is over in its unit."""
-    line, unit, times = FIGURES[sensor][parameter]
+    line, times = FIGURES[parameter]
+    if sensor == ACCELEROMETER:
+        line = OF_ACCELERATION.get(line, line)
     if in_counts:
         return line, IN_COUNTS.get(parameter, COUNTS), 1.0 / times
+    unit = UNITS.get(line) or source_of(sensor, line).like(sensor)
     return line, unit, size_of(unit) / times
 
 
@@ -299,7 +296,7 @@ def _line(
     line, unit, size = _unit(sensor, one.parameter, in_counts=in_counts)
     why = ""
     if one.bound == UPPER:
-        why = sentence("recordings.bound", probability=0.95)
+        why = sentence("recordings.bound")
     elif one.bound == REFUSED and one.needs > longest:
         why = sentence(
             "recordings.too_short", time=one.value, needs=one.needs, duration=longest
@@ -377,7 +374,7 @@ def _more_lines(
             yield made(CHANGE, size, ends, max(0.5 * (size / u) ** 2, 1.0), u=u)
         else:
             most = size + ONE_SIDED * u
-            why = sentence("recordings.bound", probability=0.95)
+            why = sentence("recordings.bound")
             yield made(CHANGE, most, (0.0, most), None, why=why)
 
 

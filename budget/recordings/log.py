@@ -100,11 +100,6 @@ class Channel:
     kept_out: KeptOut
     has_counts: bool
 
-    @property
-    def mean(self) -> float:
-        """Of all samples [SI, or counts]."""
-        return float(self.sums.sum() / self.counts.sum())
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Log:
@@ -153,11 +148,6 @@ class Log:
         """From the first sample to the end of the last [s]."""
         return self.samples / self.rate
 
-    @property
-    def is_whole(self) -> bool:
-        """Whether all samples are kept singly."""
-        return self.samples <= HEAD
-
 
 def read_logs(
     recording: Recording, progress: Progress | None = None
@@ -177,9 +167,9 @@ def read_logs(
     groups: dict[tuple[str, ...], list[_Opened]] = {}
     for table in tables:
         opened = _open(table, recording)
-        key = tuple(sorted(one.name for one in opened.columns if one.name in CHANNELS))
+        key = tuple(sorted(one.name for one in opened.columns if one.name))
         groups.setdefault(key, []).append(opened)
-    names = [name for key in groups for name in key]
+    names = [name for key in groups for name in key if name in CHANNELS]
     if len(names) > len({*names}):
         raise CallError(
             f"{recording.name}: its files share some columns and not all, expected "
@@ -389,11 +379,12 @@ class _Reading:
             )
         is_gap = step > MOST_JITTER * self.interval
         if is_gap.sum() > max(MOST_GAPS * step.size, 1):
+            unit = " s" if self.clock == TIME else ""
             raise refuse(
                 opened.table.shown,
                 f"from line {piece.line} on {is_gap.sum()} of {step.size} steps of its "
                 f"{self.clock} are longer than {MOST_JITTER:g} times the usual one, "
-                f"{self.interval:.6g} s: these are not the times of samples; skip the "
+                f"{self.interval:.6g}{unit}: these are not the times of samples; skip the "
                 "column (--columns with _ in its place) and give --rate",
             )
         self.regular += float(step[~is_gap].sum())
@@ -542,7 +533,6 @@ class _Look:
 
     sigma: float
     longest: float
-    equal: float
     value: float = field(default=np.nan)
     run: int = 0
 
@@ -557,7 +547,7 @@ class _Look:
         parts = [float(one.mean()) for one in np.array_split(same, PARTS) if one.size]
         equal = min(max(float(np.median(parts)), LEAST_EQUAL), 1.0 - 1e-9)
         longest = log(CHANCE / values.size) / log(equal)
-        return cls(sigma=sigma, longest=longest, equal=equal)
+        return cls(sigma=sigma, longest=longest)
 
     def clean(
         self,

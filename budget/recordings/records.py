@@ -182,11 +182,6 @@ class RecordedChannel(Documented):
     outliers: int
     level: float
 
-    @property
-    def kept_out(self) -> int:
-        """Samples that are kept out."""
-        return self.stuck + self.saturated + self.outliers
-
 
 @written(
     "recorded",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from tokenize import TokenError
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.lib.format import open_memmap, read_array
 
 from budget.errors import Issue, SpecError
-from budget.inputs.reader import refuse
+from budget.inputs.reader import is_number, refuse
 from budget.inputs.tree import describe
 from budget.journal import note_read
 
@@ -381,12 +380,8 @@ def _is_data(cells: Sequence[str]) -> bool:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell is a finite number."""
-    if not re.fullmatch(r"\s*\"?[-+0-9.eE]+\"?\s*", cell):
-        return False
-    with suppress(ValueError):
-        return bool(np.isfinite(float(cell.strip().strip('"'))))
-    return False
+    """Whether a cell is a finite number, in quotes too."""
+    return is_number(cell.strip().strip('"'))
 
 
 def _sha256(path: Path) -> str:

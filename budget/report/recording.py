@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from budget.errors import CallError
 from budget.inputs.device import read_device
 from budget.inputs.reader import parse
 from budget.inputs.tree import block, flow, quoted
@@ -41,7 +42,7 @@ class PrintedLine:
     name: Name  # of the specification
     value: str  # '0.152', '≤ 3.01', '?'
     exact: float | None
-    interval: str  # '0.149 to 0.156'
+    ends: tuple[str, ...]  # of the interval; () where it is none
     degrees_of_freedom: str
 
 
@@ -49,12 +50,11 @@ def printed(line: NoiseLine) -> PrintedLine:
     """Print a figure: an upper bound as one, what is refused as unknown."""
     scale = line.si_per_unit
     value = print_given(line.value / scale, digits=DIGITS)
-    low, high = (one / scale for one in line.interval)
-    ends = [
-        "" if one in {0.0, inf} else print_given(one, digits=DIGITS)
-        for one in (low, high)
-    ]
-    said = " to ".join(ends) if all(ends) else ""
+    ends = tuple(
+        print_given(one / scale, digits=DIGITS)
+        for one in line.interval
+        if line.is_told and 0.0 < one < inf
+    )
     nu = line.degrees_of_freedom
     return PrintedLine(
         line=line,
@@ -65,14 +65,17 @@ def printed(line: NoiseLine) -> PrintedLine:
         if line.bound == "upper"
         else "?",
         exact=line.value / scale if line.is_told else None,
-        interval=said if line.is_told else "",
+        ends=ends if len(ends) == len(line.interval) else (),
         degrees_of_freedom=print_given(nu, digits=2) if nu else "",
     )
 
 
 def characterise_answer(found: Characterisation) -> tuple[Section, ...]:
     """Return what stands on a terminal: figures by line and axis, what is not told."""
-    return sections("characterise", **_view(found))
+    return (
+        *sections("characterise", **_view(found)),
+        *sections("assumptions", found=found),
+    )
 
 
 def _view(found: Characterisation) -> dict[str, object]:
@@ -107,7 +110,6 @@ def _view(found: Characterisation) -> dict[str, object]:
         ],
         "MODEL_NAMES": MODEL_NAMES,
         "DASH": DASH,
-        "DIGITS": DIGITS,
     }
 
 
@@ -118,6 +120,7 @@ def characterise_document(
     return document(
         "characterise_page",
         pictures=[one.picture for one in recorded_plots(found)],
+        assumed=sections("assumptions", found=found),
         **_view(found),
     ).whole(
         "characterise",
@@ -138,7 +141,17 @@ def measured_yaml(found: Characterisation, *, name: str = "") -> str:
 
     A parameter that is told of some axes is 0 on those whose model does without it. An
     axis that was not recorded has the largest of those that were.
+
+    Raises
+    ------
+    CallError
+        Figures are in counts.
     """
+    if found.has_counts:
+        raise CallError(
+            f"{found.title} is in counts, of which no device file can be; give a "
+            "recording file (.yaml) with gain, as 'gain: {gyro: 16.4 counts/(deg/s)}'"
+        )
     names = ", ".join(dict.fromkeys(one.name for one in found.inputs))
     notes = [
         f"Recorded at rest: {names}; by budget {__version__} characterise.",
@@ -210,7 +223,7 @@ def _figure(
             says["correlation_time"] = quoted(f"{time.value:.5g} s")
         axes[axis] = says
     said = "; ".join(
-        f"{axis} {printed(one).interval}"
+        f"{axis} {' to '.join(printed(one).ends)}"
         for axis, one in by_axis.items()
         if one.is_told
     )

@@ -212,6 +212,19 @@ def test_what_does_not_vary_is_refused(tmp_path):
         characterise(write(tmp_path / "a.csv", values))
 
 
+def test_no_device_file_is_written_of_counts(tmp_path):
+    """Figures in counts are told, and a file of them is refused with the remedy."""
+    heads = (HEADS[0], *(one.replace("deg/h", "counts") for one in HEADS[1:]))
+    rows = short_log()
+    rows[:, 1:] = np.round(rows[:, 1:])
+    log = write(tmp_path / "a.csv", rows, heads)
+    assert "counts" in call("characterise", str(log)).out
+    failed = call("characterise", str(log), "-o", str(tmp_path / "d.yaml"))
+    assert failed.code == 2
+    assert "with gain" in failed.err
+    assert not (tmp_path / "d.yaml").exists()
+
+
 def test_what_does_not_belong_together_is_refused(tmp_path):
     """Other columns, other rates."""
     a = write(tmp_path / "a.csv", short_log())

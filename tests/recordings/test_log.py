@@ -235,3 +235,14 @@ def test_a_gap_is_no_temperature(tmp_path):
     warm = runs.records[0].X[:, 1]
     assert np.isfinite(runs.records[0].y).all()
     assert_allclose(np.diff(warm), 0.05, rtol=0.06)
+
+
+def test_files_of_one_recording_have_the_same_columns(tmp_path):
+    """A second file with a temperature more is no part of the first."""
+    rows = short_log(600)
+    warm = np.column_stack([rows[300:], np.full(300, 25.0)])
+    write(tmp_path / "a.csv", rows[:300])
+    write(tmp_path / "b.csv", warm, (*HEADS, "temperature [degC]"))
+    (tmp_path / "j.yaml").write_text("recording: [a.csv, b.csv]\n")
+    with pytest.raises(BudgetError, match="expected the same in each"):
+        read(tmp_path / "j.yaml")
