@@ -384,8 +384,8 @@ class _Reading:
                 opened.table.shown,
                 f"from line {piece.line} on {is_gap.sum()} of {step.size} steps of its "
                 f"{self.clock} are longer than {MOST_JITTER:g} times the usual one, "
-                f"{self.interval:.6g}{unit}: these are not the times of samples; skip the "
-                "column (--columns with _ in its place) and give --rate",
+                f"{self.interval:.6g}{unit}: these are not the times of samples; skip "
+                "the column (--columns with _ in its place) and give --rate",
             )
         self.regular += float(step[~is_gap].sum())
         self.steps += int((~is_gap).sum())
