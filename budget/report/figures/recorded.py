@@ -44,12 +44,12 @@ ROOM = 1.3  # beyond the ends of the curves [1]
 def recorded_plots(found: Characterisation) -> list[Plot]:
     """Show the Allan deviation of each sensor, an axis a curve."""
     return [
-        _plot(sensor, [*rows])
+        _plot(sensor, [*rows], is_warm=any(one.temperature for one in found.records))
         for sensor, rows in groupby(found.allan, key=lambda one: one.sensor)
     ]
 
 
-def _plot(sensor: str, rows: Sequence[AllanRow]) -> Plot:
+def _plot(sensor: str, rows: Sequence[AllanRow], *, is_warm: bool) -> Plot:
     """Show the Allan deviation of one sensor."""
     curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
     taus = sorted({one.tau for own in curves.values() for one in own})
@@ -74,6 +74,7 @@ def _plot(sensor: str, rows: Sequence[AllanRow]) -> Plot:
             for tau in taus
         ],
         scale=scale,
+        warm=is_warm,
     )
     return Plot(
         name=f"allan-{sensor}",
