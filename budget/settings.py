@@ -349,7 +349,7 @@ class Asked:
     seed: int = setting(
         0,
         "Same seed, same numbers.",
-        "analyze mission report compare decide allocate sweep check",
+        "analyze mission report compare decide allocate sweep check simulate",
         metavar="S",
         least=0,
         has_line=True,
@@ -678,7 +678,7 @@ class Inputs(Use):
         (),
         "Another value than the file's, as gyro.bias_stability='0.02 deg/h', of an "
         "axis gyro.bias_repeatability.x=..., of one device NAME:gyro....",
-        f"{_JUDGING} station export check diff devices validate",
+        f"{_JUDGING} station export check diff devices validate simulate",
         only=CLI,
         panel=JUDGED,
         option="--set",
@@ -710,7 +710,14 @@ class Inputs(Use):
     procedure: Procedure | File | None = setting(
         None,
         "Procedure file (the paper's).",
-        "analyze mission report allocate station export sweep diff",
+        "analyze mission report allocate station export sweep diff simulate",
+        at={
+            "simulate": {
+                "help": "Whose place and sample rate are taken (the paper's).",
+                "said": "Whose place and sample rate are taken; the paper's without "
+                "it.",
+            }
+        },
         said="The test; the paper's, if none is given, and of a mission alone the "
         "maker's calibration.",
         panel=USED,

@@ -42,6 +42,7 @@ PRINTING = {
     "devices of a kind": ("devices", "--kind", "gyro", "--grade", "tactical"),
     "devices json": ("devices", "--json", "-"),
     "characterise": ("characterise", LOG),
+    "simulate": ("simulate", "hg4930#A", "--static", "1 min", "-o", "-"),
     "paper": ("paper",),
     "validate": ("validate", DEVICE),
     "schema": ("schema", "device"),
@@ -75,6 +76,10 @@ WRITING = {
     "characterise": (
         *("characterise", LOG, "--json", "a.json", "--csv", "a.csv"),
         *("-o", "a.html", "-o", "a.yaml"),
+    ),
+    "simulate": (
+        *("simulate", "hg4930#A", "--static", "1 min"),
+        *("--truth", "a.yaml", "-o", "a.csv"),
     ),
     "paper": ("paper", "--csv", "a.csv", "-o", "a.html", "-o", "a.pdf"),
     "report": ("report", "adxl357", "--no-validate", "-o", "a.html"),

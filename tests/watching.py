@@ -45,6 +45,10 @@ CALLS = {
         *("characterise", str(TESTS / "data" / "static.csv")),
         *("-o", "a.yaml", "-o", "a.html", "--json", "a.json"),
     ),
+    "simulate": (
+        *("simulate", "hg4930#A", "--static", "20 s"),
+        *("-o", "a.csv", "--truth", "a.yaml"),
+    ),
     "devices": ("devices", "hg4930"),
     "paper": (
         *("paper", "-o", "a.html", "-o", "a.pdf"),

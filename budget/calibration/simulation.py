@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache, partial
 from hashlib import sha256
 from math import cos, sin
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,7 +42,7 @@ from budget.model.windows import OUTER
 from budget.names import Name
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine, Procedure, Sensor
@@ -66,7 +66,7 @@ class TurnOn:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Drawn:
+class DrawnSource:
     """A source in one run: what it is, its value, its samples."""
 
     given: Given
@@ -123,20 +123,20 @@ def simulate(
     # it does for the law: in the paper's test accelerometers are not turned.
     tested = min(schemes.values(), key=lambda one: not one.schedule.windows)
 
-    def draw(owner: str, lines: tuple[ErrorLine, ...]) -> list[_Drawn]:
+    def draw(owner: str, lines: tuple[ErrorLine, ...]) -> list[DrawnSource]:
         return [
-            _draw(
+            draw_source(
                 owner,
                 line,
                 schemes.get(owner) or tested,
                 procedure.sample_rate,
-                partial(_generator, seed, run),
+                partial(stream_of, seed, run),
             )
             for line in lines
             if only is None or Name(line.name, owner=owner) in only
         ]
 
-    def draw_own(sensor: Sensor) -> list[_Drawn]:
+    def draw_own(sensor: Sensor) -> list[DrawnSource]:
         made = initial_lines(sensor, procedure) if every else ()
         return draw(sensor.kind, (*sensor.lines, *made))
 
@@ -174,14 +174,18 @@ def _check_samples(kind: str, scheme: Scheme, sample_rate: float) -> None:
         )
 
 
-def _draw(
+def draw_source(
     owner: str,
     line: ErrorLine,
-    scheme: Scheme,
+    scheme: Scheme | None,
     sample_rate: float,
     rng_of: Callable[[str], np.random.Generator],
-) -> _Drawn:
-    """Draw what a source is in this run; any scheme tells how many turns there are."""
+) -> DrawnSource:
+    """Draw what a source is in this run; any scheme tells how many turns there are.
+
+    Without one nothing is calibrated: what a new unit has counts in full.
+    """
+    held: Callable[[str], Any] = scheme.held_of if scheme else lambda _: 1.0
     source = source_of(owner, line.name).meant(line)
     effect, name = source.effect, Name(line.name, owner=owner)
     rng = rng_of(name)
@@ -196,12 +200,14 @@ def _draw(
     elif isinstance(effect, Offset | TurnOnChange):
         value = later = _values(line, rng)
         if isinstance(effect, Initial):
-            value = later = value * scheme.held_of(effect.target)
+            value = later = value * held(effect.target)
         if isinstance(effect, Nonlinearity):  # in use it is away from what was tested
-            later = value * scheme.held_of(effect.target)
+            later = value * held(effect.target)
         if source.stays == TURN_ON:
             later = _values(line, rng_of(f"{name}, later"))
-    return _Drawn(given=line, effect=effect, value=value, later=later, samples=samples)
+    return DrawnSource(
+        given=line, effect=effect, value=value, later=later, samples=samples
+    )
 
 
 def _values(line: ErrorLine, rng: np.random.Generator, times: int = 1) -> Array:
@@ -215,7 +221,7 @@ def _values(line: ErrorLine, rng: np.random.Generator, times: int = 1) -> Array:
 def _simulate_triad(
     sensor: Sensor,
     scheme: Scheme,
-    drawn: list[_Drawn],
+    drawn: list[DrawnSource],
     known: Mapping[str, Given],
     *,
     sample_rate: float,
@@ -228,17 +234,17 @@ def _simulate_triad(
     Returns errors, shape (n_outputs,): 12 less those held, unless `every` counts; and
     what the calibrated triad shows in its windows, shape (3, n) [unit of the input].
     """
-    tested = _turn_on(sensor, drawn, known)
+    tested = turn_on_of(sensor, drawn, known)
     true = {
-        "nominal": _turn_on(sensor, [], known),
+        "nominal": turn_on_of(sensor, [], known),
         "as_tested": tested,
-        "next_turn_on": _turn_on(sensor, drawn, known, is_later=True),
+        "next_turn_on": turn_on_of(sensor, drawn, known, is_later=True),
     }[reference]
     found, shown = _calibrate(
         sensor, scheme, tested, drawn, known, sample_rate=sample_rate, beside=beside
     )
     calibrated = np.concatenate([found.scale_factor, found.mounting_angle, found.bias])
-    design = _turn_on(sensor, [], known)
+    design = turn_on_of(sensor, [], known)
     if scheme.held is not None:
         nominal = np.concatenate([1.0 + design.k, design.angle, design.bias])
         calibrated[scheme.held.held] = nominal[scheme.held.held]
@@ -257,9 +263,9 @@ def _simulate_triad(
     return np.concatenate([errors, found.higher - true_higher]), shown
 
 
-def _turn_on(
+def turn_on_of(
     sensor: Sensor,
-    drawn: list[_Drawn],
+    drawn: list[DrawnSource],
     known: Mapping[str, Given],
     *,
     is_later: bool = False,
@@ -283,10 +289,11 @@ def _turn_on(
 
 
 @dataclass(frozen=True, kw_only=True)
-class _At:
-    """One window, and its samples; what the files give."""
+class SampledWindow:
+    """Samples of one window, the table as it really stands, what the files give."""
 
-    place: int
+    window: Window
+    table: TableState
     samples: Samples
     known: Mapping[str, Given]
 
@@ -295,7 +302,7 @@ def _calibrate(
     sensor: Sensor,
     scheme: Scheme,
     tested: TurnOn,
-    drawn: list[_Drawn],
+    drawn: list[DrawnSource],
     known: Mapping[str, Given],
     *,
     sample_rate: float,
@@ -310,9 +317,10 @@ def _calibrate(
         n = max(1, round(window.length * sample_rate))
         dt = window.length / n
         at = Samples(n=n, dt=dt, first=window.start + dt / 2.0)
-        where = _At(place=place, samples=at, known=known)
-        pulses = _count(sensor, scheme, tested, drawn, where)
-        rates.append(pulses / window.length)
+        table = _table_of(scheme, place, drawn)
+        where = SampledWindow(window=window, table=table, samples=at, known=known)
+        reading = reading_of(sensor, tested, drawn, where)
+        rates.append((1.0 + tested.k) * _mean(reading, where))
     readings = np.array(rates).reshape(-1, 3).T
     if isinstance(scheme, RotationScheme) and beside is not None:
         found = scheme.estimate_beside(readings, beside)
@@ -328,32 +336,44 @@ def _response(angle: Array) -> Array:
     return np.array([[1.0, xz, -xy], [-yz, 1.0, yx], [zy, -zx, 1.0]])
 
 
-def _count(
-    sensor: Sensor,
-    scheme: Scheme,
-    tested: TurnOn,
-    drawn: list[_Drawn],
-    where: _At,
-) -> Array:
-    """Count the pulses of one window, shape (3,): eqs. (1), (2), K0 = 1, summed."""
-    window, at = scheme.schedule.windows[where.place], where.samples
+def _table_of(scheme: Scheme, place: int, drawn: list[DrawnSource]) -> TableState:
+    """Return how the table really stands in a window."""
+    setting = scheme.schedule.windows[place].setting
     table = TableState(
-        turn=scheme.schedule.turns.get(where.place),
-        stop=scheme.schedule.stops[where.place],
-        turning=None
-        if window.setting.turning is None
-        else OUTER - window.setting.turning,
-        angle=window.setting.angle,
-        length=window.length,
+        turn=scheme.schedule.turns.get(place),
+        stop=scheme.schedule.stops[place],
+        turning=None if setting.turning is None else OUTER - setting.turning,
+        angle=setting.angle,
+        length=scheme.schedule.windows[place].length,
         place=scheme.place,
         timing=scheme.timing,
     )
-    disturbances = [
-        (one.effect, one) for one in drawn if isinstance(one.effect, Disturbance)
-    ]
-    for effect, one in disturbances:
-        table = effect.table(one.value, table)
-    rate, force = _inputs(window, table, at)
+    for one in drawn:
+        if isinstance(one.effect, Disturbance):
+            table = one.effect.table(one.value, table)
+    return table
+
+
+def _mean(reading: Array, where: SampledWindow) -> Array:
+    """Return pulses over the length of a window by the clock, (3,): eq. (2), K0 = 1."""
+    pace, length = where.table.pace, where.window.length
+    if reading.shape[1] == 1:  # nothing varies within the window
+        return np.asarray(reading[:, 0] * length * pace / length)
+    return np.asarray(reading.sum(axis=1) * where.samples.dt * pace / length)
+
+
+def reading_of(
+    sensor: Sensor,
+    tested: TurnOn,
+    drawn: Sequence[DrawnSource],
+    where: SampledWindow,
+) -> Array:
+    """Return the readings of samples over the scale factor, (3, n) or (3, 1): eq. (1).
+
+    A process goes on from where the window before left it.
+    """
+    window, at = where.window, where.samples
+    rate, force = _inputs(window, where.table, at)
     M = _response(tested.angle)
     true_input = M @ (rate if sensor.kind == "gyro" else force) + tested.bias[:, None]
     reading = true_input
@@ -370,12 +390,11 @@ def _count(
         reading=reading,
         known=where.known,
     )
-    for effect, one in disturbances:
-        reading = reading + effect.reading(one.value, moment(given=one.given))
-    K = 1.0 + tested.k
-    if reading.shape[1] == 1:  # nothing varies within the window
-        return np.asarray(K * reading[:, 0] * window.length * table.pace)
-    return np.asarray(K * reading.sum(axis=1) * at.dt * table.pace)
+    for one in drawn:
+        if isinstance(one.effect, Disturbance):
+            added = one.effect.reading(one.value, moment(given=one.given))
+            reading = reading + added
+    return np.asarray(reading)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -450,7 +469,7 @@ def _turned_back(vectors: Array, axis: int, angle: Array) -> Array:
     return turned
 
 
-def _generator(seed: int, run: int, name: str) -> np.random.Generator:
+def stream_of(seed: int, run: int, name: str) -> np.random.Generator:
     """Return the random stream of one source in one run."""
     key = int.from_bytes(sha256(name.encode()).digest()[8:16], "big")
     return np.random.Generator(

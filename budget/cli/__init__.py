@@ -29,6 +29,7 @@ from budget.cli.mission import mission
 from budget.cli.new import new
 from budget.cli.paper import paper
 from budget.cli.report import report
+from budget.cli.simulate import simulate
 from budget.cli.space import LEAST_SPACE, check_space
 from budget.cli.station import station
 from budget.cli.streams import in_line, prepare_streams, talk, tell
@@ -143,6 +144,7 @@ for command in (
         station,
         export,
         characterise,
+        simulate,
         report,
         compare,
         decide,

@@ -234,7 +234,7 @@ class OutputFiles:
     templates: Path | None = setting(
         None,
         "Folder with templates, style sheet and letterhead of your own.",
-        f"analyze {_PAGES} export diff devices validate",
+        f"analyze {_PAGES} export diff devices validate simulate",
         panel=GOES,
         metavar="DIR",
         takes="folder",
@@ -242,7 +242,7 @@ class OutputFiles:
     language: str = setting(
         ENGLISH,
         "Language of results and pages: English, or Chinese.",
-        f"analyze {_PAGES} diff",
+        f"analyze {_PAGES} diff simulate",
         panel=GOES,
         choices=LANGUAGES,
     )

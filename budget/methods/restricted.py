@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
 
+# D/t above which its neighbours have t/2D in common at the most, and are as white: the
+# variance of the autoregression, e^(D/t), would leave no digits of the whole.
+LARGE = 20.0
 SMALL = 1e-4  # D/t, below which a mean of a process is it, to the rounding of a double
 
 
@@ -56,6 +59,10 @@ class BlockProcess:
     def markov(cls, sigma: float, time: float, block: float) -> BlockProcess:
         """Return a Gauss-Markov process: sigma [unit], correlation time, block [s]."""
         x = block / time
+        if x > LARGE:
+            return cls(
+                decay=0.0, variance=0.0, white=2.0 * sigma**2 * (1.0 - 1.0 / x) / x
+            )
         if x < SMALL:  # A/s^2 = 1 + x^2/12, g_0/s^2 = 1 - x/3 + x^2/12
             shared, whole = 1.0 + x * x / 12.0, 1.0 - x / 3.0 + x * x / 12.0
         else:
@@ -163,6 +170,7 @@ def restricted(
 
     is_there = ~np.isnan(y)
     R = white + sum(one.white for one in processes)
+    processes = [one for one in processes if one.decay]  # the others are white
     if R <= 0.0 or any(one.innovation <= 0.0 for one in processes):
         return None
     n, m = len(y), len(processes)
@@ -196,10 +204,12 @@ def restricted(
         inner -= half.T @ half
     p = X.shape[1]
     information = inner[1:, 1:]
+    sign, log_X = np.linalg.slogdet(information)
+    if sign <= 0.0:
+        return None
     fit = np.linalg.solve(information, inner[1:, 0])
     squares = float(inner[0, 0] - inner[0, 1:] @ fit)
-    sign, log_X = np.linalg.slogdet(information)
-    if sign <= 0.0 or not 0.0 < squares < inf:
+    if not 0.0 < squares < inf:
         return None
     return Restricted(
         log_determinant=float(log_V + log_X),

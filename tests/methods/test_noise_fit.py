@@ -181,3 +181,20 @@ def test_an_interval_of_white_noise_is_that_of_its_sum_of_squares():
     for end in profile_interval(fit, "N"):
         r = (s / end) ** 2  # 2 l falls short by (n - 1)(r - 1 - ln r)
         assert_allclose((n - 1) * (r - 1.0 - log(r)), 3.8415, atol=2e-3)
+
+
+def test_processes_beyond_any_block_have_a_likelihood_or_none():
+    """One much faster than a block is as white as its means; none divides by 0."""
+    y = np.random.default_rng(3).standard_normal(50)
+    X = np.ones((50, 1))
+    times = (BLOCK / 25.0, 1e-7, 1e-300)
+    for time in times:
+        one = BlockProcess.markov(3.0, time, BLOCK)
+        x = BLOCK / time
+        assert_allclose(one.white, 18.0 * (1.0 - 1.0 / x) / x, rtol=1e-9)
+        found = restricted(y, X, [one], 2.0)
+        alike = restricted(y, X, [], 2.0 + one.white)
+        assert_allclose(found.log_likelihood, alike.log_likelihood, rtol=1e-12)
+    with np.errstate(all="ignore"):
+        huge = BlockProcess.walk(1e160, BLOCK)
+        assert restricted(y, X, [huge], 1.0) is None
