@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +13,7 @@ from budget.settings import Asked, Inputs
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from budget.recordings.printed import MeasuredUnit
     from budget.references.records import Job, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
@@ -47,15 +49,20 @@ def diff(
     requirement and the settings of that. The numbers of a reference are the stored
     ones. Exit code 0 whatever differs.
 
+    Where B is a device file of recordings and A is none, it is the unit beside its data
+    sheet: each figure printed and measured, their ratio with its 95 % interval, and
+    what is worse than printed; -o writes that as a page.
+
     --set changes the devices of the call as elsewhere; of a device beside itself it
     changes B: what does this value do?
     """
-    from budget.cli.output import check_files, hand_out
+    from budget.cli.output import check_files, hand_out, pages_asked
     from budget.errors import CallError
     from budget.inputs.records import CHANGED
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
-    from budget.report.document import json_of, table_csv
+    from budget.report.document import json_of, json_text, table_csv
+    from budget.report.measured import measured_answer, measured_document
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
 
@@ -77,6 +84,22 @@ def diff(
         for name, one in zip(names, stored, strict=True)
     ]
     taken = _changed(taken, inputs.changes, job)
+    if model is None and (unit := _measured(names, inputs)) is not None:
+        hand_out(
+            [
+                (out.json, lambda: json_text(unit.to_dict())),
+                (out.csv, lambda: table_csv("measured_line", unit.lines)),
+            ],
+            lambda: measured_answer(unit),
+            pages=pages_asked(context, out, partial(measured_document, unit)),
+            language=out.language,
+        )
+        return
+    if out.output:
+        raise CallError(
+            f"-o {out.output[0]}: of two budgets there is no page; it is of a device "
+            "file of recordings (`budget characterise`) beside a data sheet"
+        )
     settings = given if model is None else model.settings
     sides = []
     for name, one, files in zip(names, stored, taken, strict=True):
@@ -107,6 +130,18 @@ def _reference(name: str) -> ReferenceBudget | None:
         return None
     (found,) = find_references(name)
     return read_reference(found.path, found.shown)
+
+
+def _measured(names: tuple[str, str], inputs: Inputs) -> MeasuredUnit | None:
+    """Hold B beside A, where it was measured and A was not; else None."""
+    from budget.inputs import load_device, load_procedure
+    from budget.recordings.printed import beside_data_sheet, is_measured
+
+    printed, measured = map(load_device, names)
+    if is_measured(printed) or not is_measured(measured):
+        return None
+    how = load_procedure(inputs.procedure)
+    return beside_data_sheet(printed, measured, sample_rate=how.sample_rate)
 
 
 def _inputs(

@@ -183,7 +183,7 @@ Grades = Annotated[
         show_default=False,
     ),
 ]
-_PAGES = "mission report compare decide allocate station check paper characterise"
+_PAGES = "mission report compare decide allocate station check diff paper characterise"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -234,7 +234,7 @@ class OutputFiles:
     templates: Path | None = setting(
         None,
         "Folder with templates, style sheet and letterhead of your own.",
-        f"analyze {_PAGES} export diff devices validate simulate",
+        f"analyze {_PAGES} export devices validate simulate",
         panel=GOES,
         metavar="DIR",
         takes="folder",
@@ -242,14 +242,14 @@ class OutputFiles:
     language: str = setting(
         ENGLISH,
         "Language of results and pages: English, or Chinese.",
-        f"analyze {_PAGES} diff simulate",
+        f"analyze {_PAGES} simulate",
         panel=GOES,
         choices=LANGUAGES,
     )
     json: Path | None = setting(
         None,
         "Write the result as JSON.",
-        f"analyze {_PAGES} export diff devices",
+        f"analyze {_PAGES} export devices",
         panel=GOES,
         metavar="FILE|-",
         takes="document",
@@ -257,7 +257,7 @@ class OutputFiles:
     csv: Path | None = setting(
         None,
         "Write the result as CSV.",
-        f"analyze {_PAGES} export diff",
+        f"analyze {_PAGES} export",
         panel=GOES,
         metavar="FILE|-",
         takes="document",

@@ -48,7 +48,7 @@ BLOCKS = 4096  # of the longest record
 LEAST_BLOCKS = 1000  # of 10 samples: of a shorter record N alone is told
 LEAST_FIT = 8  # blocks
 THERE = 0.9  # part of a block's samples that have to be there [1]
-FAST = 10.0  # blocks: a correlation time below is fitted to shorter ones [1]
+FAST = 10.0  # blocks: a correlation time below is fitted to shorter ones, once [1]
 FINER = 4
 COARSER, LEAST_COARSE = 4, 256  # blocks of a bound; how many there are at the least
 SHORTEST, LONGEST = 3.0, 0.1  # of a correlation time that is told: blocks, record [1]
@@ -174,14 +174,12 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     is_short = longest < LEAST_BLOCKS * base
     size = base * max(-(-longest // (BLOCKS * base)), 1)
     models = ("white",) if is_short else tuple(MODELS)
-    while True:
+    runs = block_means(own, size)
+    fits = fit_models(runs, models)
+    if fits[0].values.get(TIME, inf) < FAST * size * dt and size > base:
+        size = max(size // FINER // base, 1) * base
         runs = block_means(own, size)
         fits = fit_models(runs, models)
-        best = fits[0]
-        time = best.values.get(TIME, inf)
-        if time >= FAST * size * dt or size == base:
-            break
-        size = max(size // FINER // base, 1) * base
     chosen, estimates = _estimates(fits, runs)
     curve = _curve(own, dt)
     of_white = next(x.relative or 0.0 for x in estimates if x.parameter == WHITE)

@@ -8,8 +8,9 @@ errors.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from math import ceil, log, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ from budget.calibration.simulation import (
 )
 from budget.errors import CallError, UnitError
 from budget.inputs import load_device, load_procedure
+from budget.model.noise import RATIO
 from budget.model.source import (
     Disturbance,
     Noise,
@@ -33,6 +35,7 @@ from budget.model.source import (
     TableState,
 )
 from budget.model.sources import source_of
+from budget.model.sources.processes import LOW_CUT, FlickerNoise, Stability
 from budget.model.windows import Timing, Window
 from budget.names import AXES, Name
 from budget.recordings.columns import CHANNELS, LIKE, TIME
@@ -40,11 +43,12 @@ from budget.settings import Asked, Inputs, asking
 from budget.units import parse_quantity, size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
     from budget.arrays import Array
     from budget.inputs.files import File
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
+    from budget.model.source import Given
 
 LEAST_SAMPLES, MOST_SAMPLES = 100, 1_000_000_000
 PIECE = 2**15  # samples that are made at a time
@@ -129,10 +133,21 @@ class SimulatedRecording:
     def _draw(self, sensor: Sensor) -> list[DrawnSource]:
         """Draw what the sources are; of a process its first samples are to come."""
         stream = partial(stream_of, self.seed, 0)
-        return [
+        drawn = [
             draw_source(sensor.kind, line, None, self.rate, stream)
             for line in (*sensor.lines, *sensor.initial)
             if line.u.any() and _acts(sensor.kind, line)
+        ]
+        return [
+            replace(
+                one,
+                samples=flicker_samples(
+                    one.given, stream(f"{sensor.kind}.{one.given.name}"), self.rate
+                ),
+            )
+            if isinstance(one.effect, FlickerNoise)
+            else one
+            for one in drawn
         ]
 
     def pieces(self) -> Iterator[Array]:
@@ -173,6 +188,27 @@ class SimulatedRecording:
         row = ",".join([STAMP, *[NUMBER] * (len(sizes) - 1)]) + "\n"
         for piece in self.pieces():
             yield row * len(piece) % tuple((piece / sizes).ravel().tolist())
+
+
+def flicker_samples(
+    given: Given, rng: np.random.Generator, sample_rate: float
+) -> Callable[[Samples], Array]:
+    """Return what yields the next samples of flicker noise, shape (3, n).
+
+    Gauss-Markov processes of correlation times RATIO apart, each of variance
+    B^2 ln(RATIO)/pi, from the low cut f_L, 1/(2 pi f_L), to half the sample rate: no
+    lines, as sums of waves have them, which a spectrum would show.
+    """
+    low = LOW_CUT if given.low_cut is None else given.low_cut
+    slowest = 1.0 / (2.0 * pi * np.broadcast_to(low, given.u.shape))
+    number = ceil(log(slowest.max() * pi * sample_rate) / log(RATIO))
+    parts = []
+    for place in range(number):
+        times = slowest * RATIO ** -(place + 0.5)
+        u = given.u * sqrt(log(RATIO) / pi) * (times * pi * sample_rate >= 1.0)
+        one = replace(given, u=u, correlation_time=times)
+        parts.append(Stability().sampler(one, rng, sample_rate))
+    return lambda at: np.asarray(sum(part(at) for part in parts))
 
 
 def _known(sensor: Sensor) -> Mapping[str, ErrorLine]:

@@ -1,0 +1,215 @@
+"""A data sheet beside what was measured: ratios, p, lowest Allan deviations, bounds."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from command_line import call
+from numpy.testing import assert_allclose
+from scipy.integrate import quad
+
+from budget.errors import CallError
+from budget.inputs import load_device
+from budget.recordings.printed import beside_data_sheet, is_measured
+
+
+def device(name, sensor="gyro", **errors):
+    """Return a device of a few lines."""
+    return load_device(
+        {"format": "budget-device/1", "name": name, sensor: {"errors": errors}}
+    )
+
+
+def beside(printed, measured, sample_rate=100.0):
+    """Return what is found by line and axis."""
+    found = beside_data_sheet(printed, measured, sample_rate=sample_rate)
+    return found, {(one.line, one.axis): one for one in found.lines}
+
+
+def test_six_turn_ons_beside_a_data_sheet():
+    """S = 73.19 deg/h with 5 degrees of freedom, times [.6242, 2.4526], of 50 deg/h."""
+    own = {"value": "73.19 deg/h", "degrees_of_freedom": 5}
+    found, by_line = beside(
+        device("sheet", bias_repeatability="50 deg/h"),
+        device("unit", bias_repeatability=own),
+    )
+    one = by_line["bias_repeatability", "x"]
+    assert_allclose(one.ratio, 73.19 / 50.0, rtol=1e-12)
+    assert_allclose(one.interval, 73.19 / 50.0 * np.array([0.6242, 2.4526]), rtol=1e-4)
+    # By quadrature of the density of chi-square with 5 degrees of freedom.
+    square = 5.0 * one.ratio**2
+    p, _ = quad(lambda x: x**1.5 * np.exp(-x / 2.0) / 7.519884823893, square, 200.0)
+    assert_allclose(one.p, p, rtol=1e-8)
+    assert one.standing == "within"
+    assert_allclose(found.level, 0.05 / 3.0)
+    assert not found.worse
+
+
+@pytest.mark.parametrize(("nu", "standing"), [(5, "within"), (60, "worse")])
+def test_more_readings_tell_more(nu, standing):
+    """A ratio of 1.46 is nothing of 5 readings, and worse of 60."""
+    own = {"value": "73.19 deg/h", "degrees_of_freedom": nu}
+    found, _ = beside(
+        device("sheet", bias_repeatability="50 deg/h"),
+        device("unit", bias_repeatability=own),
+    )
+    assert {one.standing for one in found.lines} == {standing}
+    assert len(found.worse) == (3 if standing == "worse" else 0)
+
+
+def test_a_lowest_allan_deviation_is_held_beside_one():
+    """Of a Gauss-Markov process with white noise, where the curve is flat: by hand.
+
+    N 9 deg/h sqrt(s), sigma 6 deg/h, tau 60 s: the least of N^2/t + (2 s^2 T/t) (1 -
+    (T/2t)(3 - 4 exp(-t/T) + exp(-2t/T))) before 1.89 tau.
+    """
+    slow = {"value": "6 deg/h", "definition": "sigma", "correlation_time": "60 s"}
+    found, by_line = beside(
+        device(
+            "sheet", bias_stability={"value": "4 deg/h", "definition": "allan_minimum"}
+        ),
+        device(
+            "unit",
+            angle_random_walk={"value": "0.15 deg/sqrt(h)", "degrees_of_freedom": 4000},
+            bias_stability=slow | {"degrees_of_freedom": 60},
+            rate_random_walk={"value": "500 deg/h/sqrt(h)", "meaning": "max"},
+        ),
+    )
+    t = np.geomspace(1.0, 1.89 * 60.0, 100_000)
+    x = t / 60.0
+    slow = 72.0 / x * (1.0 - (3.0 - 4.0 * np.exp(-x) + np.exp(-2.0 * x)) / (2.0 * x))
+    lowest = np.sqrt((81.0 / t + slow).min())
+    one = by_line["bias_stability", "x"]
+    assert one.definition == "allan_minimum"
+    assert_allclose(one.ratio, lowest / 4.0, rtol=1e-4)
+    assert one.degrees_of_freedom == 60
+    assert_allclose(one.printed / one.si_per_unit, 4.0, rtol=1e-12)
+    assert by_line["rate_random_walk", "x"].standing == "not_printed"
+    assert by_line["angle_random_walk", "x"].standing == "not_printed"
+    assert found.worse == ()
+
+
+def test_flicker_and_walks_have_the_lowest_point_of_their_curve():
+    """sqrt(2 N K/sqrt(3)) of white noise and a random walk; 0.664 B of flicker."""
+    few = {"degrees_of_freedom": 30}
+    sheet = device(
+        "sheet", bias_stability={"value": "2 deg/h", "definition": "allan_minimum"}
+    )
+    N, K = 0.15, 10.0  # deg/sqrt(h), deg/h/sqrt(h)
+    walks = device(
+        "unit",
+        angle_random_walk={"value": f"{N} deg/sqrt(h)"} | few,
+        rate_random_walk={"value": f"{K} deg/h/sqrt(h)"} | few,
+    )
+    _, by_line = beside(sheet, walks)
+    one = by_line["bias_stability", "y"]
+    assert_allclose(one.ratio, np.sqrt(2.0 * N * K / np.sqrt(3.0)) / 2.0, rtol=1e-4)
+    flicker = device("unit", flicker={"value": "5 deg/h"} | few)
+    _, by_line = beside(sheet, flicker)
+    assert_allclose(by_line["bias_stability", "y"].ratio, 0.664 * 5.0 / 2.0, rtol=1e-4)
+
+
+def test_two_sigmas_are_held_beside_each_other():
+    """Where both are of a Gauss-Markov process nothing is computed."""
+    time = {"definition": "sigma", "correlation_time": "60 s"}
+    _, by_line = beside(
+        device("sheet", bias_stability={"value": "5 deg/h"} | time),
+        device(
+            "unit",
+            bias_stability={"value": "5.5 deg/h", "degrees_of_freedom": 60} | time,
+        ),
+    )
+    one = by_line["bias_stability", "z"]
+    assert (one.definition, one.standing) == ("sigma", "within")
+    assert_allclose(one.ratio, 1.1, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("bound", "standing"),
+    [("2 deg/h/sqrt(h)", "within"), ("9 deg/h/sqrt(h)", "not_told")],
+)
+def test_a_bound_is_within_or_tells_nothing(bound, standing):
+    """Never better than it is known, never worse than it may be."""
+    _, by_line = beside(
+        device("sheet", rate_random_walk="3 deg/h/sqrt(h)"),
+        device(
+            "unit",
+            angle_random_walk={"value": "0.15 deg/sqrt(h)", "degrees_of_freedom": 9},
+            rate_random_walk={"value": bound, "meaning": "max"},
+        ),
+    )
+    one = by_line["rate_random_walk", "x"]
+    assert (one.is_bound, one.p, one.standing) == (True, None, standing)
+
+
+def test_noise_by_the_sample_is_held_beside_a_density():
+    """Sigma 10 deg/h at 100 Hz is N = 1 deg/h sqrt(s), 1/60 deg/sqrt(h)."""
+    _, by_line = beside(
+        device("sheet", sample_noise="10 deg/h"),
+        device(
+            "unit",
+            angle_random_walk={"value": "0.02 deg/sqrt(h)", "degrees_of_freedom": 400},
+        ),
+    )
+    one = by_line["angle_random_walk", "x"]
+    assert_allclose(one.ratio, 1.2, rtol=1e-12)
+    assert one.standing == "worse"
+
+
+def test_what_is_no_recording_is_none():
+    """A data sheet with one line of few readings is a data sheet."""
+    few = {"value": "50 deg/h", "degrees_of_freedom": 5}
+    assert is_measured(device("unit", bias_repeatability=few))
+    assert not is_measured(device("sheet", bias_repeatability="50 deg/h"))
+    both = device("sheet", bias_repeatability=few, scale_factor_repeatability="100 ppm")
+    assert not is_measured(both)
+
+
+def test_other_sensors_are_refused():
+    """Of a gyro beside accelerometers nothing can be said."""
+    few = {"value": "50 ug", "degrees_of_freedom": 5}
+    with pytest.raises(CallError, match="has no accelerometer"):
+        beside(
+            device("sheet", bias_repeatability="50 deg/h"),
+            device("unit", "accelerometer", bias_repeatability=few),
+        )
+
+
+UNIT = """format: budget-device/1
+name: unit 7
+gyro:
+  errors:
+    angle_random_walk: {value: 0.09 deg/sqrt(h), degrees_of_freedom: 300}
+    bias_repeatability: {value: 15 deg/h, degrees_of_freedom: 5}
+"""
+
+
+def test_the_command_says_it_once_everywhere(tmp_path, monkeypatch):
+    """Terminal, JSON, CSV, page have the same finding; two budgets have no page."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "unit.yaml").write_text(UNIT, encoding="utf-8")
+    words = ("diff", "hg4930#A", "unit.yaml")
+    found = call(*words, "-o", "a.html", "-o", "a.pdf")
+    assert found.code == 0
+    assert "unit 7: 3 of 6 figures are worse than HG4930 (A) prints." in found.out
+    assert "Printed and not measured: gyro bias stability." in " ".join(
+        found.out.split()
+    )
+    page = " ".join((tmp_path / "a.html").read_text(encoding="utf-8").split())
+    assert "figures are worse than HG4930 (A) prints" in page
+    told = json.loads(call(*words, "--json", "-").out)
+    rows = list(csv.DictReader(io.StringIO(call(*words, "--csv", "-").out)))
+    assert [one["standing"] for one in told["lines"]] == [r["standing"] for r in rows]
+    worse = [one for one in told["lines"] if one["standing"] == "worse"]
+    assert {(one["line"], one["unit"]) for one in worse} == {
+        ("angle_random_walk", "°/√hr")
+    }
+    assert_allclose([one["ratio"] for one in worse], 1.5, rtol=1e-9)
+    found = call("diff", "hg4930#A", "hg4930#C", "-o", "b.html")
+    assert found.code == 2
+    assert "of two budgets there is no page" in found.err
+    assert not (tmp_path / "b.html").exists()
