@@ -157,7 +157,6 @@ WITHOUT = {
     "--templates": {},
     "-o": {
         "analyze": "`report` is its page",
-        "diff": "a check has a page, a difference a document",
     },
     "--age": {},
     "--environment": {},

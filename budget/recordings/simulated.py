@@ -142,7 +142,9 @@ class SimulatedRecording:
             replace(
                 one,
                 samples=flicker_samples(
-                    one.given, stream(f"{sensor.kind}.{one.given.name}"), self.rate
+                    one.given,
+                    stream(Name(one.given.name, owner=sensor.kind)),
+                    self.rate,
                 ),
             )
             if isinstance(one.effect, FlickerNoise)
