@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,7 +13,7 @@ from budget.settings import Asked, Inputs
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.recordings.printed import MeasuredUnit
+    from budget.recordings.printed import MeasuredLot, MeasuredUnit
     from budget.references.records import Job, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
@@ -30,8 +30,12 @@ def diff(
             help="A device file, FILE or FILE#VARIANT, or a stored reference.",
         ),
     ],
-    second: Annotated[
-        str, typer.Argument(metavar="B", help="What it is held against; as A.")
+    others: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="B...",
+            help="What it is held against; as A. Several are units that were measured.",
+        ),
     ],
     *,
     inputs: Inputs,
@@ -51,23 +55,24 @@ def diff(
 
     Where B is a device file of recordings and A is none, it is the unit beside its data
     sheet: each figure printed and measured, their ratio with its 95 % interval, and
-    what is worse than printed; -o writes that as a page.
+    what is worse than printed; of several units, the lot and its spread. -o writes that
+    as a page.
 
     --set changes the devices of the call as elsewhere; of a device beside itself it
     changes B: what does this value do?
     """
-    from budget.cli.output import check_files, hand_out, pages_asked
+    from budget.cli.output import check_files, hand_out
     from budget.errors import CallError
     from budget.inputs.records import CHANGED
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
-    from budget.report.document import json_of, json_text, table_csv
-    from budget.report.measured import measured_answer, measured_document
+    from budget.report.document import json_of, table_csv
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
 
-    check_files(out, inputs, (first, second))
-    stored = [_reference(name) for name in (first, second)]
+    names = (first, others[0])
+    check_files(out, inputs, (first, *others))
+    stored = [_reference(name) for name in names]
     given = Stored.of(asked, inputs)
     stated = options.given(context, Asked, Inputs)
     own = [f"--{name}" for name in stated if name != "changes"]
@@ -78,23 +83,19 @@ def diff(
         )
     model = next((one for one in stored if one is not None), None)
     job = JOBS[inputs.mission is not None] if model is None else model.job
-    names = (first, second)
     taken = [
         None if one else _inputs(name, model, inputs)
         for name, one in zip(names, stored, strict=True)
     ]
     taken = _changed(taken, inputs.changes, job)
-    if model is None and (unit := _measured(names, inputs)) is not None:
-        hand_out(
-            [
-                (out.json, lambda: json_text(unit.to_dict())),
-                (out.csv, lambda: table_csv("measured_line", unit.lines)),
-            ],
-            lambda: measured_answer(unit),
-            pages=pages_asked(context, out, partial(measured_document, unit)),
-            language=out.language,
-        )
+    if model is None and (made := _measured(first, others, inputs)) is not None:
+        _hand_out_measured(context, out, made)
         return
+    if len(others) > 1:
+        raise CallError(
+            f"{len(others) + 1} are given, expected 2: several are held beside a data "
+            "sheet where each is a device file of recordings (`budget characterise`)"
+        )
     if out.output:
         raise CallError(
             f"-o {out.output[0]}: of two budgets there is no page; it is of a device "
@@ -132,16 +133,48 @@ def _reference(name: str) -> ReferenceBudget | None:
     return read_reference(found.path, found.shown)
 
 
-def _measured(names: tuple[str, str], inputs: Inputs) -> MeasuredUnit | None:
-    """Hold B beside A, where it was measured and A was not; else None."""
+def _measured(
+    first: str, others: Sequence[str], inputs: Inputs
+) -> MeasuredUnit | MeasuredLot | None:
+    """Hold units beside A, where they were measured and A was not; else None."""
     from budget.inputs import load_device, load_procedure
-    from budget.recordings.printed import beside_data_sheet, is_measured
+    from budget.recordings.printed import (
+        beside_data_sheet,
+        is_measured,
+        lot_beside_data_sheet,
+    )
 
-    printed, measured = map(load_device, names)
-    if is_measured(printed) or not is_measured(measured):
+    printed, *units = map(load_device, (first, *others))
+    if is_measured(printed) or not all(map(is_measured, units)):
         return None
-    how = load_procedure(inputs.procedure)
-    return beside_data_sheet(printed, measured, sample_rate=how.sample_rate)
+    rate = load_procedure(inputs.procedure).sample_rate
+    if len(units) > 1:
+        return lot_beside_data_sheet(printed, units, sample_rate=rate)
+    return beside_data_sheet(printed, units[0], sample_rate=rate)
+
+
+def _hand_out_measured(
+    context: typer.Context, out: options.OutputFiles, made: MeasuredUnit | MeasuredLot
+) -> None:
+    """Write and print units beside their data sheet."""
+    from budget.cli.output import hand_out, pages_asked
+    from budget.recordings.printed import MeasuredLot
+    from budget.report import measured as pages
+    from budget.report.document import json_text, table_csv
+
+    is_lot = isinstance(made, MeasuredLot)
+    answer: Any = pages.lot_answer if is_lot else pages.measured_answer
+    page: Any = pages.lot_document if is_lot else pages.measured_document
+    row = "lot_line" if is_lot else "measured_line"
+    hand_out(
+        [
+            (out.json, lambda: json_text(made.to_dict())),
+            (out.csv, lambda: table_csv(row, made.lines)),
+        ],
+        lambda: answer(made),
+        pages=pages_asked(context, out, partial(page, made)),
+        language=out.language,
+    )
 
 
 def _inputs(

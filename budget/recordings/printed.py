@@ -21,6 +21,7 @@ from budget.model.sources import FLICKER, lines_of, source_of, walk_of
 from budget.names import AXES
 from budget.recordings.characterise import FIGURES, OF_ACCELERATION
 from budget.results import input_files
+from budget.ties import first_largest
 from budget.units import size_of
 
 if TYPE_CHECKING:
@@ -110,6 +111,72 @@ class MeasuredUnit(Documented):
         return tuple(sorted(found, key=lambda one: -(one.ratio or 0.0)))
 
 
+@written(
+    "lot_line",
+    """
+    sensor: 'gyro' or 'accelerometer'
+    axis: 'x', 'y' or 'z'
+    line: as in a device file
+    definition: of a bias stability, 'sigma' or 'allan_minimum'
+    printed / unit or null [unit]: 1 sigma; null where the data sheet prints none
+    size / unit [unit]: root mean square of the units
+    spread / unit [unit]: standard deviation of the units, less that of their values
+    largest / unit [unit]
+    largest_unit: of which unit it is
+    unit: as printed
+    ratio [1]: size over printed
+    units: how many tell it
+    worse (list[str]): units that are worse than printed
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class LotLine(Documented):
+    """One axis of one line, printed and of a lot."""
+
+    sensor: str
+    axis: str
+    line: str
+    definition: str
+    printed: float | None
+    size: float
+    spread: float
+    largest: float
+    largest_unit: str
+    unit: str
+    si_per_unit: float
+    ratio: float | None
+    units: int
+    worse: tuple[str, ...]
+
+
+@written(
+    "measured_lot",
+    """
+    first: name of the data sheet
+    units (list[str]): names of the units
+    inputs by role as file
+    level [1]: below which p of a unit is found worse, 5 % over all that have one
+    lines
+    """,
+    commands="diff",
+)
+@dataclass(frozen=True, kw_only=True, repr=False)
+class MeasuredLot(Documented):
+    """What was measured of several units, beside their data sheet."""
+
+    first: str
+    units: tuple[str, ...]
+    inputs: tuple[InputFile, ...]
+    level: float
+    lines: tuple[LotLine, ...]
+
+    @property
+    def worse(self) -> tuple[str, ...]:
+        """Units of which some line is worse than printed."""
+        bad = {unit for one in self.lines for unit in one.worse}
+        return tuple(one for one in self.units if one in bad)
+
+
 def is_measured(device: Device) -> bool:
     """Whether a device file is of recordings: of nothing but what these tell."""
     lines = [(one.kind, line) for one in device.sensors for line in one.lines]
@@ -146,6 +213,111 @@ def beside_data_sheet(
     CallError
         They have no sensor in common.
     """
+    rows = _beside(printed, measured, sample_rate)
+    level = LEVEL / max(sum(row.p is not None for row in rows), 1)
+    return MeasuredUnit(
+        first=printed.name,
+        second=measured.name,
+        inputs=input_files([printed], measured=measured),
+        level=level,
+        lines=tuple(_standing(row, level) for row in rows),
+    )
+
+
+def lot_beside_data_sheet(
+    printed: Device, units: Sequence[Device], *, sample_rate: float
+) -> MeasuredLot:
+    """Hold what was measured of several units beside their data sheet.
+
+    Parameters
+    ----------
+    printed : Device
+    units : sequence of Device
+        Each measured.
+    sample_rate : float
+        Of a noise that is printed by the sample [Hz].
+
+    Returns
+    -------
+    MeasuredLot
+        Of lines that some units tell. The size of a lot is the root mean square of the
+        units, its spread their standard deviation less what their own uncertainties put
+        there, s/sqrt(2 nu) each. A unit is worse where p is below 5 % over the number
+        of all lines of all units (Bonferroni).
+
+    Raises
+    ------
+    CallError
+        One has no sensor in common with the data sheet.
+    """
+    every = {one.name: _beside(printed, one, sample_rate) for one in units}
+    if len(every) < len(units):
+        raise CallError(
+            "two units have one name, expected one for each; change name in their files"
+        )
+    level = LEVEL / max(sum(x.p is not None for own in every.values() for x in own), 1)
+    by_line: dict[tuple[str, str, str], list[tuple[str, MeasuredLine]]] = {}
+    for name, own in every.items():
+        for row in own:
+            key = row.sensor, row.line, row.axis
+            by_line.setdefault(key, []).append((name, _standing(row, level)))
+    made = [_lot(own) for own in by_line.values()]
+    return MeasuredLot(
+        first=printed.name,
+        units=tuple(every),
+        inputs=(
+            *input_files([printed]),
+            *(one for unit in units for one in input_files([], measured=unit)),
+        ),
+        level=level,
+        lines=tuple(one for one in made if one is not None),
+    )
+
+
+def _lot(own: Sequence[tuple[str, MeasuredLine]]) -> LotLine | None:
+    """Return one axis of one line of a lot; None where no unit tells it."""
+    told = [
+        (name, row, row.measured, row.degrees_of_freedom)
+        for name, row in own
+        if row.measured and row.degrees_of_freedom
+    ]
+    if not told:
+        return None
+    sizes, nu = (np.array([one[k] for one in told], dtype=float) for k in (2, 3))
+    spread = 0.0
+    if len(told) > 1:
+        within = float(np.mean(sizes**2 / (2.0 * nu)))
+        spread = sqrt(max(float(np.var(sizes, ddof=1)) - within, 0.0))
+    name, row, largest, _ = told[first_largest(sizes.tolist())]
+    size = sqrt(float(np.mean(sizes**2)))
+    return LotLine(
+        sensor=row.sensor,
+        axis=row.axis,
+        line=row.line,
+        definition=row.definition,
+        printed=row.printed,
+        size=size,
+        spread=spread,
+        largest=largest or 0.0,
+        largest_unit=name,
+        unit=row.unit,
+        si_per_unit=row.si_per_unit,
+        ratio=size / row.printed if row.printed else None,
+        units=len(told),
+        worse=tuple(unit for unit, one in own if one.standing == WORSE),
+    )
+
+
+def _beside(
+    printed: Device, measured: Device, sample_rate: float
+) -> list[MeasuredLine]:
+    """Return the lines of a unit beside those of its data sheet, not judged yet.
+
+    Raises
+    ------
+    CallError
+        They have no sensor in common.
+    """
     sheets = {one.kind: one for one in printed.sensors}
     shared = [one for one in measured.sensors if one.kind in sheets]
     if not shared:
@@ -154,19 +326,11 @@ def beside_data_sheet(
             "nothing else: there is nothing to compare"
         )
     is_sheet = not is_measured(printed)
-    found = [
+    return [
         row
         for own in shared
         for row in _rows(sheets[own.kind], own, sample_rate, is_sheet=is_sheet)
     ]
-    level = LEVEL / max(sum(row.p is not None for row in found), 1)
-    return MeasuredUnit(
-        first=printed.name,
-        second=measured.name,
-        inputs=input_files([printed], measured=measured),
-        level=level,
-        lines=tuple(_standing(row, level) for row in found),
-    )
 
 
 def _standing(row: MeasuredLine, level: float) -> MeasuredLine:

@@ -22,12 +22,18 @@ from budget.report.figures.rows import (
 from budget.report.figures.style import INK, VERMILION, Scale
 from budget.report.pages import document, figure, sections
 from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.tables import DASH
 from budget.version import __version__
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
 
-    from budget.recordings.printed import MeasuredLine, MeasuredUnit
+    from budget.recordings.printed import (
+        LotLine,
+        MeasuredLine,
+        MeasuredLot,
+        MeasuredUnit,
+    )
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget diff"
@@ -59,7 +65,7 @@ def _view(found: MeasuredUnit) -> dict[str, object]:
     }
 
 
-def _name(one: MeasuredLine) -> Name:
+def _name(one: MeasuredLine | LotLine) -> Name:
     """Return the name of a line, whatever its axis."""
     return Name(one.line, owner=one.sensor)
 
@@ -82,6 +88,40 @@ def measured_document(
         json=json_text(found.to_dict()),
         date=date,
     )
+
+
+def lot_answer(found: MeasuredLot) -> tuple[Section, ...]:
+    """Return what stands on a terminal: each line printed, and of the lot."""
+    return sections("lot", **_view_of_lot(found))
+
+
+def lot_document(
+    found: MeasuredLot, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put it into one document: which units are worse, and all lines."""
+    return document("lot_page", **_view_of_lot(found)).whole(
+        "diff",
+        provenance_section(
+            found.inputs, None, version=__version__, command_line=command_line
+        ),
+        sign_off_section(),
+        json=json_text(found.to_dict()),
+        date=date,
+    )
+
+
+def _view_of_lot(found: MeasuredLot) -> dict[str, object]:
+    """Return what the pages are given."""
+    groups: dict[str, list[LotLine]] = {}
+    for one in found.lines:
+        groups.setdefault(one.sensor, []).append(one)
+    return {
+        "found": found,
+        "groups": groups,
+        "name_of": _name,
+        "FLOOR": FLOOR,
+        "DASH": DASH,
+    }
 
 
 def ratio_chart(found: MeasuredUnit) -> Chart | None:

@@ -17,7 +17,7 @@ from budget.inputs.schema import DIALECT
 from budget.known import Known
 from budget.names import Name
 from budget.navigation.route import Outline
-from budget.recordings.printed import MeasuredUnit
+from budget.recordings.printed import MeasuredLot, MeasuredUnit
 from budget.recordings.records import Characterisation
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
@@ -33,6 +33,7 @@ STUDIES = (
     *(Budget, Comparison, Decision, Allocation, Qualification, Export),
     Characterisation,
     MeasuredUnit,
+    MeasuredLot,
 )
 STORED = ("check", "difference", "device_list", "one_device")
 # Where these have their forms.

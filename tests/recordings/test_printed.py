@@ -14,7 +14,11 @@ from scipy.integrate import quad
 
 from budget.errors import CallError
 from budget.inputs import load_device
-from budget.recordings.printed import beside_data_sheet, is_measured
+from budget.recordings.printed import (
+    beside_data_sheet,
+    is_measured,
+    lot_beside_data_sheet,
+)
 
 
 def device(name, sensor="gyro", **errors):
@@ -213,3 +217,43 @@ def test_the_command_says_it_once_everywhere(tmp_path, monkeypatch):
     assert found.code == 2
     assert "of two budgets there is no page" in found.err
     assert not (tmp_path / "b.html").exists()
+
+
+def test_a_lot_has_a_size_a_spread_and_its_worst(tmp_path, monkeypatch):
+    """Root mean square, standard deviation less that of the values; by hand.
+
+    Units of 0.05, 0.06, 0.07, 0.08 deg/sqrt(h), u = s/sqrt(600) each.
+    """
+    monkeypatch.chdir(tmp_path)
+    values = np.array([0.05, 0.06, 0.07, 0.08])
+    units = []
+    for k, value in enumerate(values):
+        text = UNIT.replace("unit 7", f"unit {k}").replace("0.09", f"{value:g}")
+        units.append(tmp_path / f"unit-{k}.yaml")
+        units[-1].write_text(text, encoding="utf-8")
+    sheet = load_device("hg4930#A")
+    found = lot_beside_data_sheet(sheet, [*map(load_device, units)], sample_rate=100.0)
+    one = next(x for x in found.lines if x.line == "angle_random_walk")
+    size, spread, largest = (
+        x / one.si_per_unit for x in (one.size, one.spread, one.largest)
+    )
+    assert_allclose(size, np.sqrt(np.mean(values**2)), rtol=1e-9)
+    own = np.mean(values**2) / 600.0
+    assert_allclose(spread, np.sqrt(np.var(values, ddof=1) - own), rtol=1e-9)
+    assert_allclose(largest, 0.08, rtol=1e-9)
+    assert (one.largest_unit, one.units) == ("unit 3", 4)
+    assert one.worse == found.worse == ("unit 2", "unit 3")
+    # 15 deg/h of four units alike: they scatter less than five readings of each.
+    bias = next(x for x in found.lines if x.line == "bias_repeatability")
+    assert bias.spread == 0.0
+    said = call(
+        "diff", "hg4930#A", *map(str, units), "-o", "a.html", "--json", "a.json"
+    )
+    assert "2 of 4 units are worse than HG4930 (A) prints: unit 2, unit 3." in said.out
+    told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    assert told["lines"][0]["units"] == 4
+    twice = call("diff", "hg4930#A", str(units[0]), str(units[0]))
+    assert "two units have one name" in twice.err
+    three = call("diff", "hg4930#A", "hg4930#B", "hg4930#C")
+    assert three.code == twice.code == 2
+    assert "3 are given, expected 2" in three.err
