@@ -22,7 +22,7 @@ def characterise(
         typer.Argument(
             metavar="LOG...",
             help="Recordings at rest, each a turn-on of one unit: CSV, text, .npy, "
-            ".npz, or a recording file (.yaml) that says what its columns "
+            ".npz, .parquet, or a recording file (.yaml) that says what its columns "
             "are.",
             show_default=False,
         ),

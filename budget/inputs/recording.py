@@ -82,8 +82,8 @@ class RecordingFile(Keyed):
         "format": format_row("recording"),
         "recording": KeyRow(
             items(TEXT, least=1, most=MOST_FILES, alone=True),
-            "file of rows beside this one: CSV, whitespace text, .npy, .npz; several "
-            "are one after the other, or of a triad each",
+            "file of rows beside this one: CSV, whitespace text, .npy, .npz, "
+            ".parquet; several are one after the other, or of a triad each",
             is_needed=True,
         ),
         "rate": KeyRow(

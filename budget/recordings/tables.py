@@ -1,4 +1,4 @@
-"""Files of numbers in rows, read in pieces: text and NumPy arrays."""
+"""Files of numbers in rows, read in pieces: text, NumPy arrays and Parquet."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ MOST_ALIKE = 3  # faults of one file that are said
 SEPARATORS = (",", ";", "\t")
 _BEFORE_HEAD = re.compile(r"\s+(?!\[)")  # not before a unit in brackets
 BOM = b"\xef\xbb\xbf"
-ARRAYS = {".npy", ".npz"}
+PARQUET = ".parquet"
+ARRAYS = {".npy", ".npz", PARQUET}
 # What NumPy raises of an array whose head is spoilt: it is read as Python.
 SPOILT = (
     *(ValueError, SyntaxError, TokenError, TypeError, KeyError, EOFError),
@@ -81,7 +82,11 @@ class NumberTable:
             self.size = path.stat().st_size
             if path.is_dir():
                 raise refuse(shown, "is a folder, expected a recording")
-            opened = {"": self._open_text, ".npy": self._open_array}
+            opened = {
+                "": self._open_text,
+                ".npy": self._open_array,
+                PARQUET: self._open_parquet,
+            }
             opened.get(self._kind, self._open_archive)()
         except (OSError, *SPOILT) as error:
             reason = getattr(error, "strerror", None) or str(error)[:MOST_REASON]
@@ -100,7 +105,8 @@ class NumberTable:
             yield from self._of_text(wanted)
             return
         line = 1
-        for values, done in self._of_array(wanted):
+        rows = self._of_parquet if self._kind == PARQUET else self._of_array
+        for values, done in rows(wanted):
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             if bad.size:
                 column = int(np.flatnonzero(~np.isfinite(values[bad[0]]))[0])
@@ -140,7 +146,7 @@ class NumberTable:
             raise refuse(
                 self.shown,
                 "is neither text nor named as an array, expected CSV, whitespace text, "
-                ".npy or .npz; save other files as one of these",
+                ".npy, .npz or .parquet; save other files as one of these",
             )
         self._skip = len(BOM) if start.startswith(BOM) else 0
         self._line = 1
@@ -169,9 +175,7 @@ class NumberTable:
                 )
                 raise refuse(self.shown, message)
             self._skip, self._line = end + 1, self._line + 1
-        if self.width > MOST_COLUMNS:
-            message = f"has {self.width} columns, expected {MOST_COLUMNS} at the most"
-            raise refuse(self.shown, message)
+        self._check_width()
         self.heads = tuple(heads)
         if heads and len(heads) != self.width:
             message = (
@@ -332,6 +336,59 @@ class NumberTable:
         self.heads, self.width = tuple(names), len(names)
         self._columns: list[Any] = arrays
 
+    def _open_parquet(self) -> None:
+        """Read the names of the columns of a table; its rows are read in batches."""
+        try:
+            from pyarrow import ArrowException
+            from pyarrow.parquet import ParquetFile
+        except ImportError:
+            message = (
+                "is a Parquet file, which pyarrow reads, and there is none here; "
+                "pip install 'sins-budget[parquet]', or save it as CSV"
+            )
+            raise refuse(self.shown, message) from None
+        try:
+            self._table = ParquetFile(self.path)
+        except ArrowException as error:
+            raise ValueError(str(error)) from None
+        self.heads = tuple(self._table.schema_arrow.names)
+        self.width = len(self.heads)
+        if not self._table.metadata.num_rows or not self.heads:
+            raise refuse(self.shown, "is empty, expected rows of numbers")
+        self._check_width()
+
+    def _check_width(self) -> None:
+        """Refuse more columns than any recording has."""
+        if self.width > MOST_COLUMNS:
+            message = f"has {self.width} columns, expected {MOST_COLUMNS} at the most"
+            raise refuse(self.shown, message)
+
+    def _of_parquet(self, wanted: Sequence[int]) -> Iterator[tuple[Array, float]]:
+        """Yield rows of columns of a table; what is null is nan."""
+        from pyarrow import ArrowException, types
+
+        schema = self._table.schema_arrow
+        for k in wanted:
+            kind = schema.field(k).type
+            if not (types.is_floating(kind) or types.is_integer(kind)):
+                said = f"found {kind}, expected numbers; stamps in seconds"
+                raise self.fault(1, k + 1, f"{self.heads[k]}: {said}")
+        n, done = self._table.metadata.num_rows, 0
+        names = list(dict.fromkeys(self.heads[k] for k in wanted))
+        try:
+            for batch in self._table.iter_batches(batch_size=ROWS, columns=names):
+                columns = [
+                    batch.column(self.heads[k]).to_numpy(zero_copy_only=False)
+                    for k in wanted
+                ]
+                done += batch.num_rows
+                yield np.stack(columns, axis=1).astype(float), done / n
+        except (ArrowException, OSError) as error:
+            message = (
+                f"cannot be read ({str(error)[:MOST_REASON]}), expected a recording"
+            )
+            raise refuse(self.shown, message) from None
+
     def _array(self, array: Any, names: Sequence[str] = ()) -> None:  # noqa: ANN401
         """Take an array of rows and columns, or one with named fields."""
         if array.dtype.names:
@@ -356,9 +413,7 @@ class NumberTable:
             )
             raise refuse(self.shown, message)
         self.width = len(self._columns)
-        if self.width > MOST_COLUMNS:
-            message = f"has {self.width} columns, expected {MOST_COLUMNS} at the most"
-            raise refuse(self.shown, message)
+        self._check_width()
 
     def _of_array(self, wanted: Sequence[int]) -> Iterator[tuple[Array, float]]:
         """Yield rows of columns in memory, or mapped into it."""

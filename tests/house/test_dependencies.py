@@ -71,7 +71,9 @@ def test_what_is_installed_is_within_the_bounds():
 
 def test_what_is_imported_is_declared():
     """The package imports nothing that only another package happened to bring."""
-    assert imported() <= names([*NEEDED, *EXTRAS["dask"], *EXTRAS["xlsx"]])
+    assert imported() <= names(
+        [*NEEDED, *EXTRAS["dask"], *EXTRAS["xlsx"], *EXTRAS["parquet"]]
+    )
 
 
 def test_what_is_declared_is_imported():

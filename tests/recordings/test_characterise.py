@@ -5,9 +5,11 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+import pyarrow as pa
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from pyarrow import parquet
 from recorded import HEADS, check_log, markov, short_log, walk, white, write
 
 from budget.errors import BudgetError
@@ -272,12 +274,18 @@ def test_mutated_recordings_give_figures_or_words(tmp_path):
     rng = np.random.default_rng(11)
     good = write(tmp_path / "good.csv", short_log(150)).read_bytes()
     np.save(tmp_path / "good.npy", short_log(150))
-    array = (tmp_path / "good.npy").read_bytes()
+    heads = dict(zip(HEADS, short_log(150).T, strict=True))
+    parquet.write_table(pa.table(heads), tmp_path / "good.parquet")
+    kinds = {
+        0: ("m.csv", good),
+        2: ("m.parquet", (tmp_path / "good.parquet").read_bytes()),
+        3: ("m.npy", (tmp_path / "good.npy").read_bytes()),
+    }
     alphabet = b"0123456789.,-+eE \n\r\t\"'#%[]/xnaif\x00\xff;"
     refused = 0
     for k in range(2000):
-        is_array = k % 4 == 3
-        data = bytearray(array if is_array else good)
+        name, sound = kinds.get(k % 4, kinds[0])
+        data = bytearray(sound)
         for _ in range(rng.integers(1, 6)):
             at = int(rng.integers(0, len(data)))
             if k % 3 == 0:
@@ -291,9 +299,9 @@ def test_mutated_recordings_give_figures_or_words(tmp_path):
                 del data[at : at + int(rng.integers(1, 40))]
             else:
                 data[at:at] = data[at : at + int(rng.integers(1, 60))]
-        path = tmp_path / ("m.npy" if is_array else "m.csv")
+        path = tmp_path / name
         path.write_bytes(bytes(data))
-        said = words_of(path, COLUMNS if is_array else None)
+        said = words_of(path, COLUMNS if path.suffix == ".npy" else None)
         assert said is None or "m." in said
         refused += said is not None
     assert 500 < refused < 2000

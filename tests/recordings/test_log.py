@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
+import pyarrow as pa
 import pytest
 from numpy.testing import assert_allclose
+from pyarrow import parquet
 from recorded import HEADS, short_log, write
 
-from budget.errors import BudgetError
+from budget.errors import BudgetError, SpecError
 from budget.inputs import load_recording, validate
 from budget.inputs.recording import with_columns
 from budget.recordings import tables
@@ -25,8 +29,15 @@ def read(path, **more):
     return log
 
 
+def as_parquet(path, values, heads=HEADS):
+    """Write columns as a Parquet file."""
+    columns = {head: values[:, k] for k, head in enumerate(heads)}
+    parquet.write_table(pa.table(columns), path)
+    return path
+
+
 def test_all_kinds_of_files_are_one(tmp_path):
-    """CSV, semicolons, tabs, blanks, a mark, CRLF, comments, .npy and .npz."""
+    """CSV, semicolons, tabs, blanks, a mark, CRLF, comments, .npy, .npz, Parquet."""
     values = np.round(short_log(), 4)
     wanted = read(write(tmp_path / "a.csv", values))
     blanks = write(tmp_path / "b.txt", values, sep=" ")
@@ -49,6 +60,7 @@ def test_all_kinds_of_files_are_one(tmp_path):
         read(tmp_path / "f.npy", columns=COLUMNS),
         read(tmp_path / "g.npz"),
         read(tmp_path / "h.npy"),
+        read(as_parquet(tmp_path / "k.parquet", values)),
     ]
     for other in others:
         assert (other.rows, other.samples, other.gaps) == (3000, 3000, 0)
@@ -246,3 +258,45 @@ def test_files_of_one_recording_have_the_same_columns(tmp_path):
     (tmp_path / "j.yaml").write_text("recording: [a.csv, b.csv]\n")
     with pytest.raises(BudgetError, match="expected the same in each"):
         read(tmp_path / "j.yaml")
+
+
+def test_a_parquet_file_is_read_in_batches(tmp_path, monkeypatch):
+    """Counts in whole numbers, columns that are not read of any kind."""
+    values = np.round(short_log())
+    names = {head: values[:, k].astype(np.int32) for k, head in enumerate(HEADS[1:], 1)}
+    names |= {"time [s]": values[:, 0], "note": ["a"] * len(values)}
+    names["time [s]"] = short_log()[:, 0]
+    path = tmp_path / "a.parquet"
+    parquet.write_table(pa.table(names), path, compression="zstd")
+    whole = read(path)
+    monkeypatch.setattr(tables, "ROWS", 700)
+    parts = read(path)
+    assert parts.rows == whole.rows == 3000
+    for name, channel in parts.channels.items():
+        assert_allclose(channel.head, whole.channels[name].head, rtol=1e-12)
+    assert_allclose(
+        parts.channels["gyro_x"].head, values[:, 1] * DEG_PER_HOUR, rtol=1e-12
+    )
+    assert parts.skipped == ("note",)
+
+
+def test_a_parquet_file_that_is_none_is_refused(tmp_path, monkeypatch):
+    """Text, an empty table, words in a column, a null, a machine without pyarrow."""
+    path = write(tmp_path / "a.csv", short_log())
+    text = path.rename(tmp_path / "a.parquet")
+    with pytest.raises(SpecError, match="cannot be read"):
+        read(text)
+    with pytest.raises(SpecError, match="is empty"):
+        read(as_parquet(tmp_path / "b.parquet", short_log()[:0]))
+    words = {"time [s]": [0.0, 0.1], "gyro_x [deg/s]": ["1", "2"]}
+    parquet.write_table(pa.table(words), tmp_path / "c.parquet")
+    with pytest.raises(SpecError, match="found string, expected numbers"):
+        read(tmp_path / "c.parquet")
+    holed = short_log()
+    holed[7, 2] = np.nan
+    with pytest.raises(SpecError, match="row 8: found nan, expected a finite number"):
+        read(as_parquet(tmp_path / "d.parquet", holed))
+    sound = as_parquet(tmp_path / "e.parquet", short_log())
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(SpecError, match=r"pip install 'sins-budget\[parquet\]'"):
+        read(sound)
