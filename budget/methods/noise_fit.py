@@ -286,6 +286,29 @@ def allan_variance(values: Mapping[str, float], times: Array, longest: float) ->
     return np.asarray(found)
 
 
+def spectral_density(values: Mapping[str, float], frequencies: Array) -> Array:
+    """Return the one-sided power spectral density of a model, (n,) [unit^2/Hz].
+
+    2 N^2, 2 K^2/w^2, of a Gauss-Markov process 4 s^2 T/(1 + w^2 T^2), of flicker
+    B^2/(pi f), w = 2 pi f (IEEE Std 952-2020, annex C, whose densities are two-sided).
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        By parameter.
+    frequencies : ndarray, shape (n,)
+        Above 0 [Hz].
+    """
+    f = np.asarray(frequencies, dtype=float)
+    w = 2.0 * np.pi * f
+    found = 2.0 * values.get(WHITE, 0.0) ** 2 + 2.0 * (values.get(WALK, 0.0) / w) ** 2
+    found = found + values.get(FLICKER, 0.0) ** 2 / (np.pi * f)
+    if TIME in values:
+        time = values[TIME]
+        found = found + 4.0 * values[SIGMA] ** 2 * time / (1.0 + (w * time) ** 2)
+    return np.asarray(found)
+
+
 def _markov(sigma: float, time: float, t: Array) -> Array:
     """Return the Allan variance of a Gauss-Markov process, shape (n,) [unit^2]."""
     x = t / time

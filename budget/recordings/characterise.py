@@ -24,7 +24,6 @@ from budget.recordings.noise import (
     UPPER,
     noise_of,
 )
-from budget.recordings.periodic import periodic_lines
 from budget.recordings.records import (
     AllanRow,
     Characterisation,
@@ -34,6 +33,7 @@ from budget.recordings.records import (
     PeriodicLine,
     RecordedChannel,
     RecordHealth,
+    SpectrumRow,
 )
 from budget.results import InputFile
 from budget.sentences import sentence
@@ -249,6 +249,7 @@ def _put_together(
             for name, one in found.items()
             for row in _allan(name, one, in_counts=_has_counts(runs, name))
         ),
+        spectrum=tuple(x for name, one in found.items() for x in _spectrum(name, one)),
         records=health,
         assumptions=(sentence("recordings.at_rest"),),
         warnings=tuple(dict.fromkeys(_warnings(runs, found, health))),
@@ -441,7 +442,16 @@ def _allan(name: str, noise: FittedNoise, *, in_counts: bool) -> Iterator[AllanR
             interval_low=one.low,
             interval_high=one.high,
             model=one.model,
+            white=one.white,
+            slow=one.slow,
         )
+
+
+def _spectrum(name: str, noise: FittedNoise) -> Iterator[SpectrumRow]:
+    """Yield the spectrum of one axis over that of its model."""
+    sensor, _, axis = name.rpartition("_")
+    for frequency, ratio in noise.spectrum:
+        yield SpectrumRow(sensor=sensor, axis=axis, frequency=frequency, ratio=ratio)
 
 
 def _health(
@@ -480,7 +490,7 @@ def _health(
                     frequency=frequency,
                     amplitude=amplitude,
                 )
-                for frequency, amplitude in periodic_lines(channel.head, log.rate)
+                for frequency, amplitude in found[name].periodic[place]
             ]
     warm = [one.temperature for one in own if one.temperature is not None]
     first = own[0]

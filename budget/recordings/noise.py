@@ -33,9 +33,15 @@ from budget.methods.noise_fit import (
     fit_models,
     profile_interval,
     slow_interval,
+    spectral_density,
     upper_bound,
 )
 from budget.recordings.log import HEAD
+from budget.recordings.periodic import (
+    periodic_lines,
+    residual_spectrum,
+    welch_spectrum,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -102,6 +108,8 @@ class CurvePoint:
     low: float  # interval at 95 %
     high: float
     model: float
+    white: float  # of the model, by its white noise alone
+    slow: float  # by what is slow in it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,6 +136,10 @@ class FittedNoise:
         Change with temperature, and its standard uncertainty [SI/degC].
     levels : tuple of float
         Of each run, white noise over that of all [1].
+    periodic : tuple of tuple of (float, float)
+        Of each run, frequency [Hz] and amplitude [SI, or counts] of periodic lines.
+    spectrum : tuple of (float, float)
+        Frequency [Hz], and the spectrum of the first run over that of the model [1].
     """
 
     channel: str
@@ -140,6 +152,8 @@ class FittedNoise:
     means: tuple[tuple[float, float], ...]
     temperature: tuple[float, float] | None
     levels: tuple[float, ...]
+    periodic: tuple[tuple[tuple[float, float], ...], ...]
+    spectrum: tuple[tuple[float, float], ...]
 
     @property
     def not_told_apart(self) -> tuple[str, ...]:
@@ -186,6 +200,13 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     quantisation, white_from = _below(curve, chosen, of_white, size)
     if quantisation is not None:
         estimates = (*estimates, quantisation)
+    spectra = [welch_spectrum(channel.head, log_.rate) for log_, channel in own]
+    steps = 0.0 if quantisation is None else quantisation.value
+
+    def density(f: Array) -> Array:
+        rounding = 8.0 * steps**2 / dt * np.sin(np.pi * f * dt) ** 2
+        return spectral_density(chosen.values, f) + rounding
+
     return FittedNoise(
         channel=channel,
         models=tuple((one.model, one.log_likelihood, one.bic) for one in fits),
@@ -197,6 +218,8 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
         means=_means(chosen, len(own)),
         temperature=_temperature(chosen, len(own)),
         levels=_levels(own, base),
+        periodic=tuple(tuple(periodic_lines(x)) if x else () for x in spectra),
+        spectrum=tuple(residual_spectrum(spectra[0], density)) if spectra[0] else (),
     )
 
 
@@ -355,6 +378,7 @@ def _points(
     """Return the curve with intervals, by the slope of the model, beside the model."""
     taus = np.array([one.tau for one, _ in curve])
     model = allan_variance(values, taus, 4.0 * longest)
+    slow = allan_variance({**values, WHITE: 0.0}, taus, 4.0 * longest)
     slope = np.gradient(np.log(model), np.log(taus)) if len(taus) > 1 else [-1.0]
     if quantisation is not None:
         model = model + 3.0 * quantisation.value**2 / taus**2
@@ -371,6 +395,8 @@ def _points(
                 low=low,
                 high=high,
                 model=float(np.sqrt(model[k])),
+                white=values[WHITE] / sqrt(point.tau),
+                slow=float(np.sqrt(slow[k])),
             )
         )
     return found

@@ -113,6 +113,8 @@ class NoiseModels(Documented):
     interval_low / unit [unit]: at 95 %
     interval_high / unit [unit]
     model / unit [unit]: of the chosen model
+    white / unit [unit]: of its white noise alone
+    slow / unit [unit]: of what is slow in it
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -129,6 +131,27 @@ class AllanRow(Documented):
     interval_low: float
     interval_high: float
     model: float
+    white: float
+    slow: float
+
+
+@written(
+    "spectrum_row",
+    """
+    sensor
+    axis
+    frequency [Hz]
+    ratio [1]: power density of the first recording over that of the chosen model
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class SpectrumRow(Documented):
+    """The spectrum of one axis over that of its model, mean of part of a decade."""
+
+    sensor: str
+    axis: str
+    frequency: float
+    ratio: float
 
 
 @written(
@@ -222,6 +245,7 @@ class RecordHealth(Documented):
     lines
     models
     allan
+    spectrum
     records
     assumptions
     warnings
@@ -245,6 +269,7 @@ class Characterisation(Documented):
     lines: tuple[NoiseLine, ...]
     models: tuple[NoiseModels, ...]
     allan: tuple[AllanRow, ...] = field(repr=False)
+    spectrum: tuple[SpectrumRow, ...] = field(repr=False)
     records: tuple[RecordHealth, ...]
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -253,6 +278,11 @@ class Characterisation(Documented):
     def sensors(self) -> tuple[str, ...]:
         """Sensors that were recorded, gyro first."""
         return tuple(dict.fromkeys(one.sensor for one in self.models))
+
+    @property
+    def is_short(self) -> bool:
+        """Whether it is too short to tell more than white noise."""
+        return all(len(one.candidates) == 1 for one in self.models)
 
     @property
     def has_counts(self) -> bool:

@@ -13,7 +13,7 @@ from budget.inputs.tree import block, flow, quoted
 from budget.names import AXES, Name
 from budget.recordings.characterise import CHANGE, MODEL_NAMES, TIME_LINE, title_of
 from budget.report.document import json_text
-from budget.report.figures.recorded import recorded_plots
+from budget.report.figures.recorded import recorded_plots, spectrum_plots
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
 from budget.report.tables import DASH, print_given
@@ -83,24 +83,31 @@ def _view(found: Characterisation) -> dict[str, object]:
     groups: dict[str, dict[str, list[PrintedLine]]] = {x: {} for x in found.sensors}
     for one in found.lines:
         groups[one.sensor].setdefault(one.line, []).append(printed(one))
+    models = {
+        sensor: [
+            (one.axis, MODEL_NAMES[one.chosen], one)
+            for one in found.models
+            if one.sensor == sensor
+        ]
+        for sensor in found.sensors
+    }
     return {
         "found": found,
         "groups": {sensor: [*own.values()] for sensor, own in groups.items()},
         "TIME_LINE": TIME_LINE,
-        "models": {
-            sensor: [
-                (one.axis, MODEL_NAMES[one.chosen], one)
-                for one in found.models
-                if one.sensor == sensor
-            ]
-            for sensor in found.sensors
+        "models": models,
+        "chosen": {
+            sensor: {
+                name: [axis for axis, other, _ in own if other == name]
+                for _, name, _ in own
+            }
+            for sensor, own in models.items()
         },
         "refused": [
             *(
                 (sensor, sentence("recordings.short", name=found.title))
                 for sensor in found.sensors
-                for one in found.models[:1]
-                if len(one.candidates) == 1
+                if found.is_short
             ),
             *(
                 (title_of(f"{one.sensor}_{one.axis}"), one.why)
@@ -120,6 +127,7 @@ def characterise_document(
     return document(
         "characterise_page",
         pictures=[one.picture for one in recorded_plots(found)],
+        spectra=[one.picture for one in spectrum_plots(found)],
         assumed=sections("assumptions", found=found),
         **_view(found),
     ).whole(

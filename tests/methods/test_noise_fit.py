@@ -10,9 +10,11 @@ from numpy.testing import assert_allclose
 
 from budget.methods.noise_fit import (
     BlockMeans,
+    allan_variance,
     fit_models,
     fit_noise,
     profile_interval,
+    spectral_density,
     upper_bound,
 )
 from budget.methods.restricted import BlockProcess, restricted
@@ -198,3 +200,23 @@ def test_processes_beyond_any_block_have_a_likelihood_or_none():
     huge = BlockProcess.markov(1e12, 1e6, BLOCK)  # takes up every mean
     assert restricted(y, X, [huge], 1.0) is None
     assert restricted(np.full(50, np.nan), X, [], 1.0) is None
+
+
+def test_densities_integrate_to_variances():
+    """One-sided: of a Gauss-Markov process sigma^2, of blocks as their Allan variance.
+
+    The Allan variance is the integral of S(f) 2 sin^4(pi f t)/(pi f t)^2.
+    """
+    f = np.geomspace(1e-7, 1e5, 2_000_001)
+    S = spectral_density({"N": 0.0, "sigma": 3.0, "tau": 20.0}, f)
+    assert_allclose(np.trapezoid(S, f), 9.0, rtol=1e-4)
+    for values in ({"N": 2.0}, {"K": 0.1}, {"sigma": 3.0, "tau": 20.0}, {"B": 4.0}):
+        S = spectral_density(values, f)
+        x = np.pi * f * 5.0
+        found = np.trapezoid(S * 2.0 * np.sin(x) ** 4 / x**2, f)
+        wanted = allan_variance(values, np.array([0.01, 5.0]), 1e6)[1]
+        if "B" in values:  # a sum of processes, one for each factor of 4
+            assert_allclose(found, 2.0 * np.log(2.0) / np.pi * 16.0, rtol=2e-3)
+            assert_allclose(wanted, found, rtol=0.03)
+            continue
+        assert_allclose(found, wanted, rtol=2e-3)

@@ -17,7 +17,11 @@ from budget.inputs.recording import with_columns
 from budget.recordings import tables
 from budget.recordings.log import read_logs
 from budget.recordings.noise import block_means
-from budget.recordings.periodic import periodic_lines
+from budget.recordings.periodic import (
+    periodic_lines,
+    residual_spectrum,
+    welch_spectrum,
+)
 
 DEG_PER_HOUR = np.pi / 180.0 / 3600.0
 COLUMNS = ",".join(HEADS)
@@ -159,11 +163,12 @@ def test_periodic_lines_have_frequency_and_amplitude():
     t = np.arange(n) / rate
     noise = rng.standard_normal(n)
     lines = 0.3 * np.sin(2.0 * np.pi * 7.3 * t) + 0.2 * np.cos(2.0 * np.pi * 31.0 * t)
-    (f, a), (g, b) = periodic_lines(noise + lines, rate)
+    (f, a), (g, b) = periodic_lines(welch_spectrum(noise + lines, rate))
     assert_allclose([f, g], [7.3, 31.0], atol=rate / 4096)
     assert_allclose([a, b], [0.3, 0.2], rtol=0.1)
-    assert periodic_lines(noise, rate) == []
-    assert periodic_lines(0.1 * noise + np.cumsum(noise) * 0.01, rate) == []
+    assert periodic_lines(welch_spectrum(noise, rate)) == []
+    slow = 0.1 * noise + np.cumsum(noise) * 0.01
+    assert periodic_lines(welch_spectrum(slow, rate)) == []
 
 
 BAD = {
@@ -300,3 +305,23 @@ def test_a_parquet_file_that_is_none_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(SpecError, match=r"pip install 'sins-budget\[parquet\]'"):
         read(sound)
+
+
+def test_a_spectrum_over_that_of_its_model_is_1():
+    """White noise of N beside its density; a line stands out, by its power."""
+    rng, rate, N = np.random.default_rng(5), 100.0, 3.0
+    n = 400_000
+    noise = N * np.sqrt(rate) * rng.standard_normal(n)
+    line = 40.0 * np.sin(2.0 * np.pi * 20.0 * np.arange(n) / rate)
+
+    def density(f):
+        return np.full(f.shape, 2.0 * N**2)
+
+    sound = residual_spectrum(welch_spectrum(noise, rate), density)
+    assert_allclose(sound[-1][1], 1.0, rtol=0.02)
+    assert_allclose([ratio for _, ratio in sound], 1.0, rtol=0.6)
+    found = residual_spectrum(welch_spectrum(noise + line, rate), density)
+    place, ratio = max(found, key=lambda one: one[1])
+    assert abs(np.log10(place / 20.0)) < 1.0 / 16.0
+    assert ratio > 3.0
+    assert welch_spectrum(noise[:200], rate) is None

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from budget.recordings.records import AllanRow, Characterisation
+    from budget.recordings.records import AllanRow, Characterisation, SpectrumRow
 
 PAGE = "figures_recorded"
 LOOKS: Mapping[str, tuple[str, str]] = dict(
@@ -47,6 +47,86 @@ def recorded_plots(found: Characterisation) -> list[Plot]:
         _plot(sensor, [*rows], is_warm=any(one.temperature for one in found.records))
         for sensor, rows in groupby(found.allan, key=lambda one: one.sensor)
     ]
+
+
+def spectrum_plots(found: Characterisation) -> list[Plot]:
+    """Show the spectrum of each sensor over that of its models, an axis a curve."""
+    return [
+        _spectrum(sensor, [*rows])
+        for sensor, rows in groupby(found.spectrum, key=lambda one: one.sensor)
+    ]
+
+
+def _spectrum(sensor: str, rows: Sequence[SpectrumRow]) -> Plot:
+    """Show the spectrum of one sensor over that of its models."""
+    curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
+    ratios = [max(one.ratio, 1.0 / one.ratio) for one in rows]
+    worst = rows[first_largest(ratios)]
+    places = sorted({one.frequency for one in rows})
+    told, table = figure(
+        PAGE,
+        "spectrum",
+        sensor=sensor,
+        axes=[*curves],
+        worst=worst,
+        rows=[
+            (
+                place,
+                [
+                    next((one for one in own if one.frequency == place), None)
+                    for own in curves.values()
+                ],
+            )
+            for place in places
+        ],
+    )
+    return Plot(
+        name=f"spectrum-{sensor}",
+        said=told,
+        table=table,
+        draw=lambda: _draw_spectrum(curves, told),
+        alt=alternative_of_curves(told.title, table),
+    )
+
+
+def _draw_spectrum(
+    curves: Mapping[str, Sequence[SpectrumRow]], told: SimpleNamespace
+) -> Figure:
+    """Draw ratios over frequency."""
+    every = [row for own in curves.values() for row in own]
+    ratios = [one.ratio for one in every]
+    log = partial(Scale, kind="log", most=9)
+    drawing = blank(ABOVE + HEIGHT + BELOW)
+    axes = add_plane(
+        drawing,
+        log(
+            low=min(one.frequency for one in every) / ROOM,
+            high=max(one.frequency for one in every) * ROOM,
+            label=told.frequency_axis,
+        ),
+        log(
+            low=min(0.3, min(ratios) / ROOM),
+            high=max(3.0, max(ratios) * ROOM),
+            label=told.axis,
+        ),
+        left=LEFT,
+        top=ABOVE,
+        right=RIGHT,
+        height=HEIGHT,
+    )
+    axes.axhline(1.0, color=INK, linewidth=0.7)
+    ends = []
+    looks: dict[str, Mapping[str, Any]] = {}
+    for axis, own in curves.items():
+        colour, dash = LOOKS[axis]
+        look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.1}
+        axes.plot([one.frequency for one in own], [one.ratio for one in own], **look)
+        ends.append((own[-1].ratio, axis))
+        looks[axis] = look
+    name_lines(axes, ends, looks)
+    for spine in axes.spines.values():
+        spine.set_color(INK)
+    return drawing
 
 
 def _plot(sensor: str, rows: Sequence[AllanRow], *, is_warm: bool) -> Plot:
@@ -120,6 +200,9 @@ def _draw(curves: Mapping[str, Sequence[AllanRow]], told: SimpleNamespace) -> Fi
         axes.plot(x, deviation, "o", markersize=2.6, color=colour, markeredgewidth=0.0)
         look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.3}
         axes.plot(x, model, **look)
+        for part in ("white", "slow"):
+            size = np.array([getattr(one, part) for one in own]) / scale
+            axes.plot(x, size, color=colour, linewidth=0.5, alpha=0.6)
         ends.append((float(model[-1]), axis))
         looks[axis] = look
     name_lines(axes, ends, looks)
