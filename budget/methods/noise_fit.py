@@ -84,13 +84,15 @@ class BlockMeans:
     def likelihood(self, values: Mapping[str, float]) -> Restricted | None:
         """Return the restricted likelihood of a model with these values."""
         D, processes, white = self.block, [], values[WHITE] ** 2 / self.block
+        has_flicker = FLICKER in values
         if WALK in values:
-            processes.append(BlockProcess.walk(values[WALK], D))
+            by = BlockProcess.walk_of_means if has_flicker else BlockProcess.walk
+            processes.append(by(values[WALK], D))
         if TIME in values:
             time = values[TIME]
             sigma = values.get(SIGMA) or values[SLOW] * sqrt(time / 2.0)
             processes.append(BlockProcess.markov(sigma, time, D))
-        if FLICKER in values:
+        if has_flicker:
             own = values[FLICKER] * sqrt(SHAPE)
             time = D / RATIO
             while time >= self.sample:  # gone within a block: white
@@ -99,7 +101,7 @@ class BlockMeans:
                 time /= RATIO
             time = D
             while time <= LONGEST * self.duration:
-                processes.append(BlockProcess.markov(own, time, D))
+                processes.append(BlockProcess.of_means(own, time, D))
                 time *= RATIO
         return restricted(self.y, self.X, processes, white)
 

@@ -7,6 +7,7 @@ from math import log, sqrt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.signal import lfilter
 
 from budget.methods.noise_fit import (
     BlockMeans,
@@ -83,26 +84,83 @@ def test_it_is_the_dense_likelihood(name):
     assert found.freedom == n - 4 - 2
 
 
+@pytest.mark.parametrize("form", ["ends", "means"])
+@pytest.mark.parametrize("name", CASES)
+def test_both_forms_are_the_dense_likelihood(name, form):
+    """By the ends of blocks with hardly any white noise, by their means with enough."""
+    n, rng = 40, np.random.default_rng(2)
+    y = 3.0 * rng.standard_normal(n) + np.cumsum(rng.standard_normal(n))
+    y[[3, 4, 39]] = np.nan
+    X = np.ones((n, 1))
+    stationary, walks = CASES[name]
+    white = 1e-3 if form == "ends" else 12.0
+    V = white * np.eye(n)
+    V = V + sum((markov(s, t, n) for s, t in stationary), np.zeros((n, n)))
+    V = V + sum((walk(K, n) for K in walks), np.zeros((n, n)))
+    of, to = (BlockProcess.markov, BlockProcess.walk)
+    if form == "means":
+        of, to = BlockProcess.of_means, BlockProcess.walk_of_means
+    processes = [*(of(s, t, BLOCK) for s, t in stationary)]
+    processes += [to(K, BLOCK) for K in walks]
+    found = restricted(y, X, processes, white)
+    logs, squares, b = dense(y, X, V)
+    # To the rounding of the dense one, whose condition is 1e6 here.
+    assert_allclose(found.log_determinant, logs, rtol=1e-7)
+    assert_allclose(found.squares, squares, rtol=1e-6)
+    assert_allclose(found.fit, b, rtol=1e-6)
+
+
 def test_short_blocks_of_a_process_join_long_ones():
     """The series for a block far below the correlation time, and the closed form."""
     for ratio in (0.99e-4, 1.01e-4):
-        one = BlockProcess.markov(3.0, BLOCK / ratio, BLOCK)
+        one = BlockProcess.of_means(3.0, BLOCK / ratio, BLOCK)
         assert_allclose(one.variance / 9.0, 1.0 + ratio**2 / 12.0, rtol=1e-12)
         assert_allclose(one.white / 9.0, -ratio / 3.0, rtol=2e-3)
+    for ratio in (0.99e-3, 1.01e-3):  # s^2 x/6: of its ends what a walk leaves
+        one = BlockProcess.markov(3.0, BLOCK / ratio, BLOCK)
+        assert_allclose(
+            one.white / 9.0, ratio / 6.0 * (1.0 - ratio**2 / 10.0), rtol=1e-9
+        )
+        assert_allclose(one.ends, 0.5 - ratio**2 / 24.0, rtol=1e-12)
 
 
-def test_what_cannot_be_has_no_likelihood():
-    """A walk's white part is negative: it takes enough white noise beside it."""
+def test_means_of_a_walk_take_white_noise_beside_them():
+    """Their white part is negative; by its ends a walk takes none."""
     y, X = np.arange(5.0), np.ones((5, 1))
-    step = BlockProcess.walk(1.0, BLOCK)
+    step = BlockProcess.walk_of_means(1.0, BLOCK)
     assert restricted(y, X, [step], 0.99 * BLOCK / 6.0) is None
     assert restricted(y, X, [step], 1.01 * BLOCK / 6.0) is not None
+    assert restricted(y, X, [BlockProcess.walk(1.0, BLOCK)], 1e-9) is not None
+
+
+@pytest.mark.parametrize(("s", "t"), [(60.0, 3.0), (60.0, 20.0)])
+def test_a_process_far_above_the_white_noise_is_found(s, t):
+    """N of 0.5, which blocks of 2 s do not show beside it: the process is as it is.
+
+    Where means stood for it white noise had to be as large as its negative white part.
+    """
+    rng, n, dt = np.random.default_rng(4), 400_000, 0.02
+    p = np.exp(-dt / t)
+    e = rng.standard_normal(n)
+    e[0] /= sqrt(1.0 - p * p)
+    slow = lfilter([s * sqrt(1.0 - p * p)], [1.0, -p], e)
+    every = slow + 0.5 / sqrt(dt) * rng.standard_normal(n)
+    data = BlockMeans(
+        y=every.reshape(-1, 100).mean(axis=1),
+        X=np.ones((4000, 1)),
+        block=2.0,
+        sample=dt,
+    )
+    fit = fit_noise(data, "gm")
+    for name, truth in (("sigma", s), ("tau", t)):
+        low, high = profile_interval(fit, name)
+        assert low < truth < high
+        assert high / low < 1.7
+    assert fit.values["N"] < 3.0
 
 
 def check_log():
     """Return three axes [deg/h]: N 9 with gm(6, 60 s), alone, with rw(0.3); means."""
-    from scipy.signal import lfilter
-
     rng, n, dt = np.random.default_rng(8), 720_000, 0.01
 
     def white(N):
@@ -189,16 +247,13 @@ def test_processes_beyond_any_block_have_a_likelihood_or_none():
     """One much faster than a block is as white as its means; none divides by 0."""
     y = np.random.default_rng(3).standard_normal(50)
     X = np.ones((50, 1))
-    times = (BLOCK / 25.0, 1e-7, 1e-300)
-    for time in times:
+    for time in (BLOCK / 1e4, 1e-7, 1e-300):
         one = BlockProcess.markov(3.0, time, BLOCK)
         x = BLOCK / time
-        assert_allclose(one.white, 18.0 * (1.0 - 1.0 / x) / x, rtol=1e-9)
         found = restricted(y, X, [one], 2.0)
-        alike = restricted(y, X, [], 2.0 + one.white)
-        assert_allclose(found.log_likelihood, alike.log_likelihood, rtol=1e-12)
-    huge = BlockProcess.markov(1e12, 1e6, BLOCK)  # takes up every mean
-    assert restricted(y, X, [huge], 1.0) is None
+        alike = restricted(y, X, [], 2.0 + 18.0 * (1.0 - 1.0 / x) / x)
+        assert_allclose(found.log_likelihood, alike.log_likelihood, rtol=1e-7)
+    assert restricted(y, X, [BlockProcess.markov(1e12, 1e6, BLOCK)], 1.0) is not None
     assert restricted(np.full(50, np.nan), X, [], 1.0) is None
 
 
@@ -220,3 +275,13 @@ def test_densities_integrate_to_variances():
             assert_allclose(wanted, found, rtol=0.03)
             continue
         assert_allclose(found, wanted, rtol=2e-3)
+
+
+def test_a_large_mean_leaves_the_likelihood_its_digits():
+    """1 g beside noise of 1 ug: the same as without, to 1e-9."""
+    y = np.random.default_rng(6).standard_normal(500)
+    X = np.ones((500, 1))
+    processes = [BlockProcess.markov(0.5, 30.0, BLOCK)]
+    own, above = (restricted(y + level, X, processes, 1.0) for level in (0.0, 1e6))
+    assert_allclose(above.log_likelihood, own.log_likelihood, rtol=1e-9)
+    assert_allclose(above.fit - 1e6, own.fit, rtol=1e-6, atol=1e-9)
