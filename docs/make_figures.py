@@ -12,12 +12,16 @@ import yaml
 import budget
 from budget.calibration.schemes import calibrates, schedule_of
 from budget.question import question_of
+from budget.recordings.characterise import characterise
+from budget.recordings.printed import beside_data_sheet
 from budget.report.figures.growth import growth_pictures
 from budget.report.figures.rows import Bar, Chart, ChartGroup, ChartPanel, ChartRow
 from budget.report.figures.rows import draw as draw_rows
 from budget.report.figures.sources import share_chart
 from budget.report.figures.style import BLUE, HATCH, MUTED, PAPER, Scale, to_svg
 from budget.report.figures.timeline import schedule_chart
+from budget.report.measured import ratio_chart
+from budget.report.recording import measured_device
 from budget.report.tables import group_tables
 from budget.resources import shipped
 from budget.studies.mission import curve, drawn_times
@@ -26,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 HERE = Path(__file__).resolve().parent
+RECORDED = HERE.parent / "tests" / "data" / "mpu-9150"
 # In the order of what they need: nothing, a plate, a table.
 SCHEMES = (
     *("norm-nine-positions", "norm-eighteen-positions", "norm-icosahedron"),
@@ -68,6 +73,16 @@ GROUPS = tuple(
 )
 
 
+def measured() -> Chart:
+    """Show a recorded unit beside its data sheet."""
+    found = characterise(RECORDED / "unit-0.csv", rate=100.0)
+    unit, sheet = measured_device(found), budget.load_device("mpu-9150")
+    chart = ratio_chart(beside_data_sheet(sheet, unit, sample_rate=100.0))
+    if chart is None:
+        raise ValueError("the recording and the data sheet have no line in common")
+    return chart
+
+
 def draw(folder: Path) -> None:
     """Draw all figures, and write the page of schemes."""
     result = budget.analyze(budget.load_device("zhao-2019"), validate=False)
@@ -75,6 +90,10 @@ def draw(folder: Path) -> None:
     share = to_svg(draw_rows(share_chart(group)), name="share-gyro-bias")
     write(share, folder / "share-gyro-bias.svg")
     write(to_svg(draw_rows(choice()), name="which-imu"), folder / "which-imu.svg")
+    write(
+        to_svg(draw_rows(measured()), name="measured-mpu-9150"),
+        folder / "measured-mpu-9150.svg",
+    )
     (folder / "schemes").mkdir(exist_ok=True)
     rows, sections = [line(HEADS), line(["---"] * len(HEADS))], []
     for name in SCHEMES:

@@ -293,11 +293,11 @@ def _estimates(
     for name in (WALK, FLICKER) if len(fits) > 1 else ():
         if name not in there and (name == WALK or TIME not in chosen.values):
             bound = upper_bound(slower, name)
-            found.append(
-                FittedValue(
-                    parameter=name, value=bound, interval=(0.0, bound), bound=UPPER
+            ends = (0.0, bound)
+            if bound < inf:  # without one the line is not given
+                found.append(
+                    FittedValue(parameter=name, value=bound, interval=ends, bound=UPPER)
                 )
-            )
     return chosen, tuple(found)
 
 
