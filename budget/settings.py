@@ -710,13 +710,18 @@ class Inputs(Use):
     procedure: Procedure | File | None = setting(
         None,
         "Procedure file (the paper's).",
-        "analyze mission report allocate station export sweep diff simulate",
+        "analyze mission report allocate station export sweep diff simulate "
+        "characterise",
         at={
+            "characterise": {
+                "help": "Whose place is taken, with --attitude.",
+                "said": "Whose place is taken, with an attitude.",
+            },
             "simulate": {
                 "help": "Whose place and sample rate are taken (the paper's).",
                 "said": "Whose place and sample rate are taken; the paper's without "
                 "it.",
-            }
+            },
         },
         said="The test; the paper's, if none is given, and of a mission alone the "
         "maker's calibration.",

@@ -46,6 +46,16 @@ def characterise(
             show_default=False,
         ),
     ] = None,
+    attitude: Annotated[
+        str | None,
+        options.judged(
+            metavar="TEXT",
+            help="How the unit rested, as 'z up': its bias is found too, at the place "
+            "of --procedure.",
+            show_default=False,
+        ),
+    ] = None,
+    inputs: Inputs,
     to: Annotated[
         str | None,
         options.written(
@@ -83,9 +93,16 @@ def characterise(
     files = [one for one in out.output if one.suffix.lower() in YAML]
     pages = replace(out, output=[one for one in out.output if one not in files])
     check_suffixes(pages.output, out.paper)
-    check_destinations(out.json, out.csv, *out.output, inputs=logs)
+    check_destinations(out.json, out.csv, *out.output, inputs=[*logs, *inputs.files])
     with computing(engine) as engine_told:
-        found = find(*logs, rate=rate, columns=columns, engine=engine_told)
+        found = find(
+            *logs,
+            rate=rate,
+            columns=columns,
+            attitude=attitude,
+            inputs=inputs,
+            engine=engine_told,
+        )
     written = {path: measured_yaml(found, name=path.stem) for path in files}
     make = partial(characterise_document, found)
     documents = [

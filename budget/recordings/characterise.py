@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import inf, pi, sqrt
+from dataclasses import dataclass, replace
+from math import hypot, inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from budget.errors import CallError
-from budget.inputs import load_recording
+from budget.inputs import load_procedure, load_recording
 from budget.inputs.recording import with_columns
+from budget.inputs.windows import FACES
 from budget.language import term
 from budget.methods.execution import in_order, local_executor
-from budget.model.sources import ACCELEROMETER, SENSORS, source_of
+from budget.model.sources import ACCELEROMETER, GYRO, SENSORS, source_of
 from budget.names import AXES
 from budget.recordings.columns import CHANNELS, COUNTS
 from budget.recordings.log import SAME_RATE, read_logs
@@ -37,18 +38,19 @@ from budget.recordings.records import (
 )
 from budget.results import InputFile
 from budget.sentences import sentence
-from budget.settings import Engine, asking
+from budget.settings import Engine, Inputs, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from budget.arrays import Array
     from budget.inputs.files import File
     from budget.inputs.records import Recording
     from budget.recordings.log import Log
     from budget.recordings.noise import FittedNoise, FittedValue
 
-TIME_LINE = "bias_stability.correlation_time"
+TIME_LINE, NOMINAL = "bias_stability.correlation_time", "nominal.bias"
 REPEATABILITY, CHANGE = "R", "C"
 # By parameter: the line of a device file, and its value over the parameter.
 FIGURES: Mapping[str, tuple[str, float]] = {
@@ -91,11 +93,25 @@ LEAST_LEAK = 0.01  # of N, by lines, from which they are named
 MOST_NAMED = 3  # lines
 
 
+@dataclass(frozen=True, kw_only=True)
+class Rest:
+    """What a unit at rest is put in: by sensor the axes, and what is not known of them.
+
+    The azimuth is not: an axis that is level has a part of the horizontal earth rate,
+    of standard uncertainty w cos L/sqrt 2.
+    """
+
+    inputs: Mapping[str, Array]  # [rad/s, m/s^2]
+    unknown: Mapping[str, Array]
+
+
 @asking("characterise")
 def characterise(
     *logs: Recording | File,
     rate: float | None = None,
     columns: str | None = None,
+    attitude: str | None = None,
+    inputs: Inputs,
     engine: Engine,
 ) -> Characterisation:
     """Find figures of noise in recordings of one device at rest, one for each turn-on.
@@ -108,6 +124,9 @@ def characterise(
         Of sampling, in the place of stamps [Hz].
     columns : str, optional
         Heads in the place of those of the files, with commas between them.
+    attitude : str, optional
+        How the unit rested, 'z up' or 'x down': with it and the place of a procedure
+        the mean less the input is the bias.
 
     Returns
     -------
@@ -116,12 +135,14 @@ def characterise(
     Raises
     ------
     CallError
-        The recordings do not belong together, or nothing says how fast they are.
+        The recordings do not belong together, or nothing says how fast they are; the
+        attitude is none, or no procedure says where it was.
     SpecError
         Everything that is wrong with a file, each at its line.
     """
     if not logs:
         raise CallError("no recording is given; name the file of one")
+    rest = None if attitude is None else _rest(attitude, inputs)
     recordings = [
         with_columns(load_recording(one), rate=rate, columns=columns) for one in logs
     ]
@@ -142,7 +163,36 @@ def characterise(
             found.append(one)
             if step:
                 step(len(found), len(tasks))
-    return _put_together(recordings, runs, dict(zip(channels, found, strict=True)))
+    fitted = dict(zip(channels, found, strict=True))
+    return _put_together(recordings, runs, fitted, rest)
+
+
+def _rest(attitude: str, inputs: Inputs) -> Rest:
+    """Return the input of each axis of a unit at rest.
+
+    Raises
+    ------
+    CallError
+        The attitude is none, or no procedure says where it was.
+    """
+    words = attitude.casefold().split()
+    if len(words) != len(("axis", "sense")) or " ".join(words) not in FACES:
+        raise CallError(f"attitude is {attitude!r}, allowed: {', '.join(FACES)}")
+    if inputs.procedure is None:
+        raise CallError(
+            "an attitude needs latitude and gravity of the place; name a procedure "
+            "that has them (--procedure)"
+        )
+    place = load_procedure(inputs.procedure).place
+    axis = AXES.index(words[0])
+    up = np.zeros(len(AXES))
+    up[axis] = 1.0 if words[1] == "up" else -1.0
+    _, north, vertical = place.earth
+    level = np.where(up == 0.0, north / sqrt(2.0), 0.0)
+    return Rest(
+        inputs={GYRO: vertical * up, ACCELEROMETER: place.gravity * up},
+        unknown={GYRO: level, ACCELEROMETER: np.zeros(len(AXES))},
+    )
 
 
 def _read(recordings: Sequence[Recording], engine: Engine) -> list[tuple[Log, ...]]:
@@ -224,6 +274,7 @@ def _put_together(
     recordings: Sequence[Recording],
     runs: Sequence[tuple[Log, ...]],
     found: Mapping[str, FittedNoise],
+    rest: Rest | None,
 ) -> Characterisation:
     """Return what has been found, in rows, and what has to be said of it."""
     health = tuple(
@@ -239,6 +290,8 @@ def _put_together(
             for one in noise.estimates
         ]
         lines += _more_lines(name, noise, in_counts=in_counts)
+        if rest is not None and not in_counts:
+            lines.append(_bias(name, noise, rest))
     return Characterisation(
         title=", ".join(one.name for one in recordings),
         inputs=tuple(_files(recordings, runs)),
@@ -251,7 +304,10 @@ def _put_together(
         ),
         spectrum=tuple(x for name, one in found.items() for x in _spectrum(name, one)),
         records=health,
-        assumptions=(sentence("recordings.at_rest"),),
+        assumptions=(
+            sentence("recordings.at_rest"),
+            *((sentence("recordings.level"),) if rest is not None else ()),
+        ),
         warnings=tuple(dict.fromkeys(_warnings(runs, found, health))),
     )
 
@@ -377,6 +433,35 @@ def _more_lines(
             most = size + ONE_SIDED * u
             why = sentence("recordings.bound")
             yield made(CHANGE, most, (0.0, most), None, why=why)
+
+
+def _bias(name: str, noise: FittedNoise, rest: Rest) -> NoiseLine:
+    """Return the bias: the mean of all runs, less the input."""
+    sensor, _, axis = name.rpartition("_")
+    place = AXES.index(axis)
+    means, u = np.array(noise.means).T
+    runs = len(means)
+    square = float(np.mean(u**2)) / runs
+    if runs > 1:
+        square = max(square, float(np.var(means, ddof=1)) / runs)
+    of_mean = sqrt(square)
+    whole = hypot(of_mean, float(rest.unknown[sensor][place]))
+    value = float(means.mean() - rest.inputs[sensor][place])
+    _, unit, size = _unit(sensor, REPEATABILITY, in_counts=False)
+    reach = 1.959964 * whole
+    return NoiseLine(
+        sensor=sensor,
+        axis=axis,
+        line=NOMINAL,
+        parameter="b",
+        value=value,
+        unit=unit,
+        si_per_unit=size,
+        standard_uncertainty=whole,
+        interval=(value - reach, value + reach),
+        bound=TWO_SIDED,
+        degrees_of_freedom=None,
+    )
 
 
 def repeatability(

@@ -59,6 +59,7 @@ FINER = 4
 COARSER, LEAST_COARSE = 4, 256  # blocks of a bound; how many there are at the least
 SHORTEST, LONGEST = 3.0, 0.1  # of a correlation time that is told: blocks, record [1]
 ENOUGH = 50.0  # correlation times, of a record that tells them [1]
+LITTLE = 0.1  # of an Allan variance, that is not of white noise [1]
 OFF = 3.0  # standard uncertainties, from which the curve differs from the model [1]
 LEVEL = 0.95
 QUANTISATION = "Q"
@@ -196,6 +197,8 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
         fits = fit_models(runs, models)
     chosen, estimates = _estimates(fits, runs)
     curve = _curve(own, dt)
+    if any(x.parameter == WHITE and x.bound == UPPER for x in estimates):
+        chosen, estimates = _with_white_of(curve, chosen, estimates, base)
     of_white = next(x.relative or 0.0 for x in estimates if x.parameter == WHITE)
     quantisation, white_from = _below(curve, chosen, of_white, size)
     if quantisation is not None:
@@ -293,12 +296,13 @@ def _estimates(
     for name in (WALK, FLICKER) if len(fits) > 1 else ():
         if name not in there and (name == WALK or TIME not in chosen.values):
             bound = upper_bound(slower, name)
-            ends = (0.0, bound)
-            if bound < inf:  # without one the line is not given
-                found.append(
-                    FittedValue(parameter=name, value=bound, interval=ends, bound=UPPER)
+            found.append(
+                FittedValue(
+                    parameter=name, value=bound, interval=(0.0, bound), bound=UPPER
                 )
-    return chosen, tuple(found)
+            )
+    # Without an end a line is not given.
+    return chosen, tuple(one for one in found if one.value < inf)
 
 
 def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, FittedValue | None]:
@@ -329,7 +333,14 @@ def _told(fits: Sequence[NoiseFit], runs: Runs) -> tuple[NoiseFit, FittedValue |
 def _two_sided(
     name: str, value: float, ends: tuple[float, float], near: tuple[float, float]
 ) -> FittedValue:
-    """Return what is told of a parameter, of its intervals at 95 and 68 %."""
+    """Return what is told of a parameter, of its intervals at 95 and 68 %.
+
+    One that may be 0 is at most the upper end.
+    """
+    if ends[0] <= 0.0:
+        return FittedValue(
+            parameter=name, value=ends[1], interval=(0.0, ends[1]), bound=UPPER
+        )
     is_closed = near[0] > 0.0 and isfinite(near[1])
     relative = 0.5 * log(near[1] / near[0]) if is_closed else 1.0 / sqrt(2.0)
     return FittedValue(parameter=name, value=value, interval=ends, relative=relative)
@@ -367,6 +378,34 @@ def _curve(
         merged = replace(first, deviation=mean)
         curve.append((merged, sum(weights) / first.terms))
     return curve
+
+
+def _with_white_of(
+    curve: Sequence[tuple[AllanPoint, float]],
+    chosen: NoiseFit,
+    estimates: Sequence[FittedValue],
+    base: int,
+) -> tuple[NoiseFit, tuple[FittedValue, ...]]:
+    """Take N from the Allan deviation over short times, as blocks do not show it.
+
+    N^2 = t s^2(t) over the shortest block, less what is slow there, with the interval
+    of its degrees of freedom; where that is more than a tenth it stays a bound.
+    """
+    point, times = next(one for one in curve if one[0].samples >= base)
+    tau = point.tau
+    others = {**chosen.values, WHITE: 0.0}
+    slow = float(allan_variance(others, np.array([tau]), tau * BLOCKS)[0])
+    square = point.deviation**2
+    if slow > LITTLE * square:
+        return chosen, tuple(estimates)
+    N = sqrt((square - slow) * tau)
+    edf = point.edf(ALPHA_WHITE) * times
+    low, high = interval_of(N, edf, LEVEL)
+    told = FittedValue(
+        parameter=WHITE, value=N, interval=(low, high), relative=1.0 / sqrt(2.0 * edf)
+    )
+    found = tuple(told if one.parameter == WHITE else one for one in estimates)
+    return replace(chosen, values={**chosen.values, WHITE: N}), found
 
 
 def _points(

@@ -11,7 +11,13 @@ from budget.inputs.device import read_device
 from budget.inputs.reader import parse
 from budget.inputs.tree import block, flow, quoted
 from budget.names import AXES, Name
-from budget.recordings.characterise import CHANGE, MODEL_NAMES, TIME_LINE, title_of
+from budget.recordings.characterise import (
+    CHANGE,
+    MODEL_NAMES,
+    NOMINAL,
+    TIME_LINE,
+    title_of,
+)
 from budget.report.document import json_text
 from budget.report.figures.recorded import recorded_plots, spectrum_plots
 from budget.report.pages import document, sections
@@ -31,7 +37,7 @@ COMMAND = "budget characterise"
 DIGITS = 3
 MOST_TEXT, MOST_NOTES = 200, 4000  # characters of a device file's texts
 # Written with the lines whose time they are.
-BESIDE = {TIME_LINE: "bias_stability"}
+BESIDE = {TIME_LINE: "bias_stability", NOMINAL: "bias"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +59,7 @@ def printed(line: NoiseLine) -> PrintedLine:
     ends = tuple(
         print_given(one / scale, digits=DIGITS)
         for one in line.interval
-        if line.is_told and 0.0 < one < inf
+        if line.is_told and (0.0 < one < inf or line.line == NOMINAL)
     )
     nu = line.degrees_of_freedom
     return PrintedLine(
@@ -178,7 +184,9 @@ def measured_yaml(found: Characterisation, *, name: str = "") -> str:
     ]
     for sensor in found.sensors:
         own = [one for one in found.lines if one.sensor == sensor]
-        errors: list[Any] = [("errors", [*_errors(own)])]
+        biases = {one.axis: _said(one, one.unit) for one in own if one.line == NOMINAL}
+        said: list[Any] = [("nominal", flow({"bias": biases}))] if biases else []
+        errors: list[Any] = [*said, ("errors", [*_errors(own)])]
         entries.append((sensor, errors))
     return "\n".join(block(entries)) + "\n"
 
@@ -193,7 +201,7 @@ def _errors(own: Sequence[NoiseLine]) -> Iterator[tuple[str, str]]:
     """Yield the lines of one sensor, as a device file has them."""
     times = {one.axis: one for one in own if one.line == TIME_LINE and one.is_told}
     for line in dict.fromkeys(one.line for one in own):
-        if line == TIME_LINE:
+        if line in {TIME_LINE, NOMINAL}:
             continue
         by_axis = {
             one.axis: one for one in own if one.line == line and one.bound != "refused"
@@ -214,7 +222,7 @@ def _figure(
 ) -> str:
     """Write one line of a device file."""
     largest = max(by_axis.values(), key=lambda one: one.value)
-    has_time = line in BESIDE.values()
+    has_time = line == BESIDE[TIME_LINE]
     slowest = max(times.values(), key=lambda one: one.value) if has_time else None
     axes: dict[str, object] = {}
     for axis in AXES:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 
 import numpy as np
 import pyarrow as pa
 import pytest
+import yaml
 from command_line import call
 from numpy.testing import assert_allclose
 from pyarrow import parquet
@@ -305,3 +307,56 @@ def test_mutated_recordings_give_figures_or_words(tmp_path):
         assert said is None or "m." in said
         refused += said is not None
     assert 500 < refused < 2000
+
+
+def test_an_attitude_gives_the_bias(tmp_path, monkeypatch):
+    """The mean less g and the earth's rate; level gyros are unsure of the azimuth."""
+    monkeypatch.chdir(tmp_path)
+    values = np.random.default_rng(2).standard_normal((20_000, 6)) * 1e-4
+    gyro, force = np.array([1e-5, 2e-5, 3e-5]), np.array([0.01, 0.02, 0.03])
+    procedure = {
+        "name": "lab",
+        "latitude": "48 deg",
+        "gravity": "9.809 m/s^2",
+        "sample_rate": "100 Hz",
+    }
+    (tmp_path / "lab.yaml").write_text(yaml.safe_dump(procedure), encoding="utf-8")
+    earth = 7.292115e-5 * np.array([0.0, np.sin(np.radians(48.0)), 0.0])
+    values += np.concatenate([gyro - earth, force - np.array([0.0, 9.809, 0.0])])
+    heads = [f"gyro_{x} [rad/s]" for x in "xyz"]
+    heads += [f"accelerometer_{x} [m/s^2]" for x in "xyz"]
+    write(tmp_path / "a.csv", values, heads)
+    words = ("characterise", "a.csv", "--rate", "100", "--attitude", "y down")
+    found = call(*words, "--procedure", "lab.yaml", "-o", "a.yaml", "--json", "a.json")
+    assert found.code == 0
+    device = load_device("a.yaml")
+    u = 5.0 * 1e-4 / np.sqrt(20_000.0)
+    assert_allclose(device.gyro.nominal_bias, gyro, rtol=0, atol=u)
+    assert_allclose(device.accelerometer.nominal_bias, force, rtol=0, atol=u)
+    told = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
+    rows = [one for one in told["lines"] if one["line"] == "nominal.bias"]
+    level = 7.292115e-5 * np.cos(np.radians(48.0)) / np.sqrt(2.0)
+    per_hour = np.pi / 180.0 / 3600.0
+    for one, wanted in zip(rows[:3], (level, 1e-6, level), strict=True):
+        assert_allclose(one["standard_uncertainty"] * per_hour, wanted, rtol=0.35)
+    refused = call(*words)
+    assert refused.code == 2
+    assert "name a procedure" in refused.err
+    assert "allowed: z up" in call(*words[:-1], "up").err
+
+
+@pytest.mark.slow
+def test_white_noise_that_blocks_do_not_show_is_of_short_times(tmp_path):
+    """N 2.5 deg/h sqrt(s) beside sigma 60 deg/h, tau 200 s, in blocks of 10 s."""
+    rng, n, dt = np.random.default_rng(9), 2_000_000, 0.02
+    y = white(rng, n, dt, 2.5) + markov(rng, n, dt, 60.0, 200.0)
+    np.save(tmp_path / "a.npy", y)
+    found = characterise(tmp_path / "a.npy", rate=50.0, columns="gyro_x [deg/h]")
+    own = by_line(found)
+    for name, truth in (("N", 2.5 / 60.0), ("sigma", 60.0), ("tau", 200.0)):
+        _, (low, high), line = own["x", name]
+        assert line.is_told
+        assert low < truth < high, name
+        assert high / low < 2.0
+    low, high = own["x", "N"][1]
+    assert high / low < 1.02
