@@ -8,7 +8,7 @@ is too short to tell is not told.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, isfinite, log, sqrt
+from math import exp, hypot, inf, isfinite, log, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,7 +36,7 @@ from budget.methods.noise_fit import (
     spectral_density,
     upper_bound,
 )
-from budget.recordings.log import HEAD
+from budget.recordings.log import FIRST_BLOCK, HEAD
 from budget.recordings.periodic import (
     periodic_lines,
     residual_spectrum,
@@ -198,7 +198,7 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     chosen, estimates = _estimates(fits, runs)
     curve = _curve(own, dt)
     if any(x.parameter == WHITE and x.bound == UPPER for x in estimates):
-        chosen, estimates = _with_white_of(curve, chosen, estimates, base)
+        chosen, estimates = _with_white_of(curve, chosen, estimates)
     of_white = next(x.relative or 0.0 for x in estimates if x.parameter == WHITE)
     quantisation, white_from = _below(curve, chosen, of_white, size)
     if quantisation is not None:
@@ -384,14 +384,13 @@ def _with_white_of(
     curve: Sequence[tuple[AllanPoint, float]],
     chosen: NoiseFit,
     estimates: Sequence[FittedValue],
-    base: int,
 ) -> tuple[NoiseFit, tuple[FittedValue, ...]]:
     """Take N from the Allan deviation over short times, as blocks do not show it.
 
-    N^2 = t s^2(t) over the shortest block, less what is slow there, with the interval
-    of its degrees of freedom; where that is more than a tenth it stays a bound.
+    N^2 = t s^2(t) over some ten samples, less what is slow there, as sure as its
+    degrees of freedom and that; where that is more than a tenth it stays a bound.
     """
-    point, times = next(one for one in curve if one[0].samples >= base)
+    point, times = next(one for one in curve if 2 * one[0].samples > FIRST_BLOCK)
     tau = point.tau
     others = {**chosen.values, WHITE: 0.0}
     slow = float(allan_variance(others, np.array([tau]), tau * BLOCKS)[0])
@@ -400,9 +399,11 @@ def _with_white_of(
         return chosen, tuple(estimates)
     N = sqrt((square - slow) * tau)
     edf = point.edf(ALPHA_WHITE) * times
-    low, high = interval_of(N, edf, LEVEL)
+    of_slow = LITTLE * slow / (square - slow)  # which is known to a tenth itself
+    relative = hypot(1.0 / sqrt(2.0 * edf), 0.5 * of_slow)
+    reach = exp(1.959964 * relative)
     told = FittedValue(
-        parameter=WHITE, value=N, interval=(low, high), relative=1.0 / sqrt(2.0 * edf)
+        parameter=WHITE, value=N, interval=(N / reach, N * reach), relative=relative
     )
     found = tuple(told if one.parameter == WHITE else one for one in estimates)
     return replace(chosen, values={**chosen.values, WHITE: N}), found
