@@ -6,7 +6,7 @@ deviation stands that of allantools, where it is installed (it is no dependency:
 
 A recording of 1e8 rows of seven columns (8.9 GB of CSV, `budget simulate zhao-2019
 --static '1000000 s' --rate 100`) is none of these, as it takes minutes: see
-docs/performance.md.
+docs/recordings.md.
 """
 
 from __future__ import annotations

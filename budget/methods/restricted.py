@@ -211,7 +211,7 @@ def restricted(
     log_V = is_there.sum() * log(R)
     inner = Z.T @ Z / R
     if processes:
-        bands, b, log_P = _information(processes, Z, np.flatnonzero(is_there), R)
+        bands, b, log_P = _information(processes, Z, is_there, R)
         try:
             root = cholesky_banded(bands, lower=True, check_finite=False)
         except np.linalg.LinAlgError:
@@ -239,12 +239,12 @@ def restricted(
 
 
 def _information(
-    processes: Sequence[BlockProcess], Z: Array, there: NDArray[np.intp], R: float
+    processes: Sequence[BlockProcess], Z: Array, is_there: NDArray[np.bool_], R: float
 ) -> tuple[Array, Array, float]:
     """Return M, H' Z/R and log|P| of the states of all processes, place by place.
 
     M by its lower bands, (w, states). A block sees the states of its ends or, of means,
-    those of its place; `there` are the blocks that are there.
+    those of its place.
     """
     m = len(processes)
     has_ends = any(one.ends for one in processes)
@@ -262,14 +262,16 @@ def _information(
         bands[0, 0, c] = 1.0 / first + (a * a / q if n > 1 else 0.0)
         log_P -= log(first) + (n - 1) * log(q)
     b = np.zeros((n, m, Z.shape[1]))
-    for place in (there, there + 1)[: 1 + has_ends]:
-        b[place] += sees[:, None] * Z[there, None] / R
+    seen = is_there / R
+    seen_Z = sees[:, None] * Z[:, None] / R
+    for place in (slice(0, len(Z)), slice(1, None))[: 1 + has_ends]:
+        b[place] += seen_Z
         for c in range(m):
             for k in range(m - c):  # what is seen of all at once
-                bands[k, place, c] += sees[c] * sees[c + k] / R
+                bands[k, place, c] += sees[c] * sees[c + k] * seen
     for c in range(m if has_ends else 0):
         for k in range(m):  # and of one end beside the other
-            bands[m + k - c, there, c] += sees[c] * sees[k] / R
+            bands[m + k - c, : len(Z), c] += sees[c] * sees[k] * seen
     return bands.reshape(-1, n * m), b.reshape(n * m, -1), log_P
 
 

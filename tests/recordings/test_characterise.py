@@ -201,10 +201,9 @@ def test_quantisation_of_increments_is_told(tmp_path):
 def test_a_filter_is_said(tmp_path):
     """What is not white at short times is said to be none."""
     values = short_log(60_000)
-    for k in (1, 2, 3):
-        values[:, k] = np.convolve(values[:, k], np.ones(8) / 8.0, "same")
+    values[:, 1] = np.convolve(values[:, 1], np.ones(8) / 8.0, "same")
     np.save(tmp_path / "a.npy", values)
-    found = characterise(tmp_path / "a.npy", columns=COLUMNS)
+    found = characterise(tmp_path / "a.npy", columns="time [s],gyro_x [deg/h],_,_")
     assert any("is not white below" in one for one in found.warnings)
 
 
