@@ -46,6 +46,15 @@ def characterise(
             show_default=False,
         ),
     ] = None,
+    recording: Annotated[
+        Path | None,
+        options.judged(
+            metavar="FILE.yaml",
+            help="Recording file that says of all of them what columns, gains and "
+            "rate are.",
+            show_default=False,
+        ),
+    ] = None,
     attitude: Annotated[
         str | None,
         options.judged(
@@ -93,12 +102,15 @@ def characterise(
     files = [one for one in out.output if one.suffix.lower() in YAML]
     pages = replace(out, output=[one for one in out.output if one not in files])
     check_suffixes(pages.output, out.paper)
-    check_destinations(out.json, out.csv, *out.output, inputs=[*logs, *inputs.files])
+    check_destinations(
+        out.json, out.csv, *out.output, inputs=[*logs, recording, *inputs.files]
+    )
     with computing(engine) as engine_told:
         found = find(
             *logs,
             rate=rate,
             columns=columns,
+            recording=recording,
             attitude=attitude,
             inputs=inputs,
             engine=engine_told,

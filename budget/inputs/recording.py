@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from budget.errors import UnitError
+from budget.errors import CallError, UnitError
 from budget.inputs.fields import (
     TEXT,
     TRUTH,
@@ -167,9 +167,28 @@ def bare_recording(path: Path, shown: str) -> Recording:
 
 
 def with_columns(
-    recording: Recording, *, rate: float | None = None, columns: str | None = None
+    recording: Recording,
+    *,
+    rate: float | None = None,
+    columns: str | None = None,
+    like: Recording | None = None,
 ) -> Recording:
-    """Return a recording whose rate [Hz] and heads are those of a call, where given."""
+    """Return a recording whose rate [Hz] and heads are those of a call, where given.
+
+    All else is as of `like`, another one, where that is given.
+
+    Raises
+    ------
+    CallError
+        It is a recording file itself.
+    """
+    if like is not None:
+        if recording.origin is not None:
+            raise CallError(
+                f"{recording.name} is a recording file itself; give the recording, or "
+                "leave the other recording file out"
+            )
+        recording = replace(like, name=recording.name, files=recording.files)
     if columns is not None:
         heads = tuple(one.strip() for one in columns.split(","))
         recording = replace(recording, columns=heads)

@@ -110,6 +110,7 @@ def characterise(
     *logs: Recording | File,
     rate: float | None = None,
     columns: str | None = None,
+    recording: Recording | File | None = None,
     attitude: str | None = None,
     inputs: Inputs,
     engine: Engine,
@@ -124,6 +125,8 @@ def characterise(
         Of sampling, in the place of stamps [Hz].
     columns : str, optional
         Heads in the place of those of the files, with commas between them.
+    recording : str, Path or Recording, optional
+        Recording file that says it of all of them.
     attitude : str, optional
         How the unit rested, 'z up' or 'x down': with it and the place of a procedure
         the mean less the input is the bias.
@@ -143,8 +146,10 @@ def characterise(
     if not logs:
         raise CallError("no recording is given; name the file of one")
     rest = None if attitude is None else _rest(attitude, inputs)
+    like = None if recording is None else load_recording(recording)
     recordings = [
-        with_columns(load_recording(one), rate=rate, columns=columns) for one in logs
+        with_columns(load_recording(one), rate=rate, columns=columns, like=like)
+        for one in logs
     ]
     runs = _read(recordings, engine)
     channels = _channels(recordings, runs)
@@ -320,10 +325,11 @@ def _files(
         pair
         for one, own in zip(recordings, runs, strict=True)
         for pair in (
-            *(((one.name, one.origin.sha256),) if one.origin else ()),
+            *(((one.origin.file, one.origin.sha256),) if one.origin else ()),
             *(pair for log in own for pair in log.sha256),
         )
     ]
+    every = [*dict.fromkeys(every)]
     for number, (name, digest) in enumerate(every, start=1):
         role = f"recording {number}" if len(every) > 1 else "recording"
         yield InputFile(role=role, name=name, sha256=digest)

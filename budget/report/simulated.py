@@ -6,7 +6,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from budget.inputs.tree import block, flow, quoted
-from budget.model.sources import lines_of, source_of
+from budget.model.sources import FLICKER, lines_of, source_of
 from budget.names import Name
 from budget.report.pages import sections
 from budget.units import size_of
@@ -76,7 +76,8 @@ def _triad(made: SimulatedRecording, sensor: Sensor) -> Iterator[tuple[str, obje
                         )
                     }
                 )
-            processes.append((source.name, said))
+            key = FLICKER if line.form == FLICKER else source.name
+            processes.append((key, said))
     for title, rows in (("constants", drawn), ("processes", processes)):
         if rows:
             yield title, rows

@@ -359,3 +359,31 @@ def test_white_noise_that_blocks_do_not_show_is_of_short_times(tmp_path):
         assert high / low < 2.0
     low, high = own["x", "N"][1]
     assert high / low < 1.02
+
+
+def test_one_recording_file_says_it_of_many(tmp_path, monkeypatch):
+    """Counts with a gain: as the same recordings in units of their own."""
+    monkeypatch.chdir(tmp_path)
+    words = []
+    for k in (1, 2, 3):
+        values = short_log(3000, seed=k)
+        write(tmp_path / f"own-{k}.csv", values)
+        counts = values[:, 1:] * 2.0
+        write(tmp_path / f"run-{k}.txt", np.round(counts, 7), heads=None, sep=" ")
+        words.append(f"run-{k}.txt")
+    (tmp_path / "how.yaml").write_text(
+        "format: budget-recording/1\nrecording: run-1.txt\nrate: 100 Hz\n"
+        'columns: ["gyro_x [counts]", "gyro_y [counts]", "gyro_z [counts]"]\n'
+        "gain: {gyro: 2 counts/(deg/h)}\n",
+        encoding="utf-8",
+    )
+    own = characterise(*(f"own-{k}.csv" for k in (1, 2, 3)))
+    found = characterise(*words, recording="how.yaml")
+    assert [one.role for one in found.inputs] == [f"recording {k}" for k in range(1, 5)]
+    for one, other in zip(own.lines, found.lines, strict=True):
+        assert_allclose(other.value, one.value, rtol=1e-6)
+    said = call("characterise", *words, "--recording", "how.yaml", "-o", "a.yaml")
+    assert said.code == 0
+    twice = call("characterise", "how.yaml", "--recording", "how.yaml")
+    assert twice.code == 2
+    assert "is a recording file itself" in twice.err
