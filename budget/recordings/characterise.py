@@ -730,7 +730,7 @@ def _periodic(name: str, noise: FittedNoise, record: RecordHealth) -> Iterator[s
     own = [one for one in record.periodic if (one.sensor, one.axis) == (sensor, axis)]
     if not own:
         return
-    square = noise.values["N"] ** 2
+    square = noise.white**2
     leak = sum(
         one.amplitude**2 / (2.0 * (pi * one.frequency) ** 2 * noise.block)
         for one in own

@@ -167,11 +167,10 @@ class FittedNoise:
         )
 
     @property
-    def values(self) -> dict[str, float]:
-        """Values of the parameters that are told."""
-        return {
-            one.parameter: one.value for one in self.estimates if one.bound == TWO_SIDED
-        }
+    def white(self) -> float:
+        """N, or the bound of it; inf where there is none [SI sqrt(s), or counts]."""
+        every = (one.value for one in self.estimates if one.parameter == WHITE)
+        return next(every, inf)
 
 
 def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
@@ -199,8 +198,11 @@ def noise_of(channel: str, logs: Sequence[Log]) -> FittedNoise:
     curve = _curve(own, dt)
     if any(x.parameter == WHITE and x.bound == UPPER for x in estimates):
         chosen, estimates = _with_white_of(curve, chosen, estimates)
-    of_white = next(x.relative or 0.0 for x in estimates if x.parameter == WHITE)
-    quantisation, white_from = _below(curve, chosen, of_white, size)
+    # Where N is not told there is nothing to hold short times against.
+    of_white = [x.relative for x in estimates if x.parameter == WHITE and x.relative]
+    quantisation, white_from = (
+        _below(curve, chosen, of_white[0], size) if of_white else (None, 0.0)
+    )
     if quantisation is not None:
         estimates = (*estimates, quantisation)
     spectra = [welch_spectrum(channel.head, log_.rate) for log_, channel in own]

@@ -387,3 +387,17 @@ def test_one_recording_file_says_it_of_many(tmp_path, monkeypatch):
     twice = call("characterise", "how.yaml", "--recording", "how.yaml")
     assert twice.code == 2
     assert "is a recording file itself" in twice.err
+
+
+def test_white_noise_below_all_else_is_a_bound(tmp_path):
+    """A process with hardly any noise, and a line: N is at most so much, no fault."""
+    rng, n, dt = np.random.default_rng(10), 40_000, 0.1
+    y = markov(rng, n, dt, 60.0, 50.0) + 1e-3 * rng.standard_normal(n)
+    y += 5.0 * np.sin(2.0 * np.pi * 2.0 * np.arange(n) * dt)
+    np.save(tmp_path / "a.npy", y)
+    found = characterise(tmp_path / "a.npy", rate=10.0, columns="gyro_x [deg/h]")
+    value, _, line = by_line(found)["x", "N"]
+    assert line.bound == "upper"
+    assert 1e-3 * np.sqrt(dt) / 60.0 < value < 0.1
+    assert "2 Hz" in " ".join(map(str, found.warnings))
+    measured_yaml(found)
