@@ -256,10 +256,10 @@ def lot_beside_data_sheet(
             "two units have one name, expected one for each; change name in their files"
         )
     level = LEVEL / max(sum(x.p is not None for own in every.values() for x in own), 1)
-    by_line: dict[tuple[str, str, str], list[tuple[str, MeasuredLine]]] = {}
+    by_line: dict[tuple[str, ...], list[tuple[str, MeasuredLine]]] = {}
     for name, own in every.items():
         for row in own:
-            key = row.sensor, row.line, row.axis
+            key = row.sensor, row.line, row.definition, row.axis
             by_line.setdefault(key, []).append((name, _standing(row, level)))
     made = [_lot(own) for own in by_line.values()]
     return MeasuredLot(
@@ -342,7 +342,7 @@ def _standing(row: MeasuredLine, level: float) -> MeasuredLine:
     elif row.p is not None:
         word = WORSE if row.p < level else WITHIN
     else:
-        word = WITHIN if row.is_bound and row.measured <= row.printed else OPEN
+        word = WITHIN if row.measured <= row.printed else OPEN
     return replace(row, standing=word)
 
 

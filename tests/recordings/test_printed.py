@@ -283,3 +283,28 @@ def test_five_real_units_are_as_the_page_says(tmp_path, monkeypatch):
         ratios.setdefault(one["sensor"], []).append(one["ratio"])
     assert_allclose(ratios["gyro"], [16.8, 26.9, 20.8], rtol=0.01)
     assert_allclose(ratios["accelerometer"], [1.69, 2.16, 2.57], rtol=0.01)
+
+
+def test_units_of_unlike_models_are_no_lot_of_one_line():
+    """A sigma and a lowest Allan deviation stand apart; a change has no nu, and is."""
+    time = {"definition": "sigma", "correlation_time": "60 s"}
+    few = {"degrees_of_freedom": 30}
+    warm = "0.02 deg/h/degC"
+    sheet = device(
+        "sheet",
+        bias_stability={"value": "5 deg/h"} | time,
+        bias_temperature_coefficient="0.03 deg/h/degC",
+    )
+    units = [
+        device(
+            "a",
+            bias_stability={"value": "4 deg/h"} | time | few,
+            bias_temperature_coefficient=warm,
+        ),
+        device("b", flicker={"value": "4 deg/h"} | few),
+    ]
+    found = lot_beside_data_sheet(sheet, units, sample_rate=100.0)
+    rows = {(one.definition, one.axis): one for one in found.lines}
+    assert rows["sigma", "x"].units == rows["allan_minimum", "x"].units == 1
+    _, by_line = beside(sheet, units[0])
+    assert by_line["bias_temperature_coefficient", "x"].standing == "within"
