@@ -198,6 +198,7 @@ def test_quantisation_of_increments_is_told(tmp_path):
         assert_allclose(value, q, rtol=0.1)
 
 
+@pytest.mark.slow
 def test_a_filter_is_said(tmp_path):
     """What is not white at short times is said to be none."""
     values = short_log(60_000)
@@ -308,6 +309,7 @@ def test_mutated_recordings_give_figures_or_words(tmp_path):
     assert 500 < refused < 2000
 
 
+@pytest.mark.slow
 def test_an_attitude_gives_the_bias(tmp_path, monkeypatch):
     """The mean less g and the earth's rate; level gyros are unsure of the azimuth."""
     monkeypatch.chdir(tmp_path)
@@ -361,6 +363,7 @@ def test_white_noise_that_blocks_do_not_show_is_of_short_times(tmp_path):
     assert high / low < 1.02
 
 
+@pytest.mark.slow
 def test_one_recording_file_says_it_of_many(tmp_path, monkeypatch):
     """Counts with a gain: as the same recordings in units of their own."""
     monkeypatch.chdir(tmp_path)
@@ -389,6 +392,7 @@ def test_one_recording_file_says_it_of_many(tmp_path, monkeypatch):
     assert "is a recording file itself" in twice.err
 
 
+@pytest.mark.slow
 def test_white_noise_below_all_else_is_a_bound(tmp_path):
     """A process with hardly any noise, and a line: N is at most so much, no fault."""
     rng, n, dt = np.random.default_rng(10), 40_000, 0.1

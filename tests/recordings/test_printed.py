@@ -260,6 +260,7 @@ def test_a_lot_has_a_size_a_spread_and_its_worst(tmp_path, monkeypatch):
     assert "3 are given, expected 2" in three.err
 
 
+@pytest.mark.slow
 def test_five_real_units_are_as_the_page_says(tmp_path, monkeypatch):
     """MPU-9150 in a hand (docs/recordings.md): gyros 17 to 27 times what is printed."""
     monkeypatch.chdir(tmp_path)

@@ -12,7 +12,13 @@ from scipy.stats import binom, norm
 from budget.errors import CallError
 from budget.inputs import load_device, load_recording
 from budget.inputs.recording import with_columns
-from budget.methods.noise_fit import AT_68, AT_95, fit_noise, profile_interval
+from budget.methods.noise_fit import (
+    AT_68,
+    AT_95,
+    LikelihoodProfile,
+    fit_noise,
+    profile_interval,
+)
 from budget.recordings.log import read_logs
 from budget.recordings.noise import block_means
 from budget.recordings.simulated import PIECE, simulated_recording
@@ -186,9 +192,12 @@ def test_what_is_drawn_is_found_again(axis, tmp_path):
         fit = fitted(device, seed, tmp_path, axis)
         for name, value in fit.values.items():
             ends = profile_interval(fit, name, AT_95)
-            near = profile_interval(fit, name, AT_68)
+            # Within the 68 % interval: as likely as its ends, or more.
+            place = np.log(truth[name])
+            short = fit.log_likelihood + LikelihoodProfile(fit, name).cost(place)
             half = np.sqrt(np.multiply(ends, value))
-            is_in = [a <= truth[name] <= b for a, b in (ends, near, half)]
+            wide, halved = (a <= truth[name] <= b for a, b in (ends, half))
+            is_in = [wide, 2.0 * short <= AT_68, halved]
             held.setdefault(name, []).append(is_in)
     assert (
         held.keys() == {"x": {"N", "sigma", "tau"}, "y": {"N", "K"}, "z": {"N"}}[axis]
