@@ -105,8 +105,8 @@ class Pulses:
         plan = procedure or self.procedure
         how = pickle.dumps(plan), Scheme.estimate
         keys = {
-            "_draw": lambda owner, line, *_: (run, owner, line.name),
-            "_count": lambda sensor, *rest: (run, sensor.kind, rest[-1].place),
+            "draw_source": lambda owner, line, *_: (run, owner, line.name),
+            "_count": lambda sensor, *rest: (run, sensor.kind, rest[-1].window),
             "_calibrate": lambda sensor, *_: (run, sensor.kind, how),
         }
         found = []

@@ -319,8 +319,7 @@ def _calibrate(
         at = Samples(n=n, dt=dt, first=window.start + dt / 2.0)
         table = _table_of(scheme, place, drawn)
         where = SampledWindow(window=window, table=table, samples=at, known=known)
-        reading = reading_of(sensor, tested, drawn, where)
-        rates.append((1.0 + tested.k) * _mean(reading, where))
+        rates.append(_count(sensor, tested, drawn, where))
     readings = np.array(rates).reshape(-1, 3).T
     if isinstance(scheme, RotationScheme) and beside is not None:
         found = scheme.estimate_beside(readings, beside)
@@ -354,12 +353,19 @@ def _table_of(scheme: Scheme, place: int, drawn: list[DrawnSource]) -> TableStat
     return table
 
 
-def _mean(reading: Array, where: SampledWindow) -> Array:
+def _count(
+    sensor: Sensor,
+    tested: TurnOn,
+    drawn: Sequence[DrawnSource],
+    where: SampledWindow,
+) -> Array:
     """Return pulses over the length of a window by the clock, (3,): eq. (2), K0 = 1."""
+    reading = reading_of(sensor, tested, drawn, where)
     pace, length = where.table.pace, where.window.length
+    K = 1.0 + tested.k
     if reading.shape[1] == 1:  # nothing varies within the window
-        return np.asarray(reading[:, 0] * length * pace / length)
-    return np.asarray(reading.sum(axis=1) * where.samples.dt * pace / length)
+        return np.asarray(K * reading[:, 0] * length * pace / length)
+    return np.asarray(K * reading.sum(axis=1) * where.samples.dt * pace / length)
 
 
 def reading_of(
