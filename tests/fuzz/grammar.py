@@ -141,6 +141,9 @@ def _keep_rules(tree):
     tree = _keep_pairs({key: _keep_rules(value) for key, value in tree.items()})
     if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") in NORMAL:
         del tree["distribution"]
+    if "degrees_of_freedom" in tree:  # of a standard uncertainty alone
+        for key in ("meaning", "distribution", "reading"):
+            tree.pop(key, None)
     tree.pop("density", None)  # only beside some units
     if "bias_stability" in tree and "adds_to" not in tree.get("flicker", {}):
         tree.pop("flicker", None)
@@ -151,7 +154,7 @@ def _keep_rules(tree):
     tree.pop("averaging_time", None)  # only beside some definitions
     if tree.get("definition") == "allan_minimum":
         tree.pop("meaning", None)
-    if "order" in tree:
+    if isinstance(tree.get("order"), list):
         tree["order"] = ["y", "z", "x"]
     _keep_lists(tree)
     if "variants" in tree and "abstract" in tree:
@@ -253,6 +256,14 @@ def _keep_windows(tree):
         tree["windows"] = [one | {"use": "accelerometer"} for one in dwells]
         if not dwells:
             return tree | {"windows": [{"face": "z up", "dwell": "60 s"}]}
+    return tree
+
+
+def _keep_device(tree):
+    """Mend a device: a range of the unit names sensors that the file has without one."""
+    sensors = [tree.get(key, {}) for key in ("gyro", "accelerometer")]
+    if not all(sensors) or any("range" in sensor for sensor in sensors):
+        tree.pop("range", None)
     return tree
 
 
@@ -382,6 +393,7 @@ def _keep_requirement(tree):
 
 
 MENDED = {
+    "device": _keep_device,
     "requirement": _keep_requirement,
     "procedure": _keep_windows,
     "station": _keep_station,
