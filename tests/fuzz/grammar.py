@@ -141,9 +141,7 @@ def _keep_rules(tree):
     tree = _keep_pairs({key: _keep_rules(value) for key, value in tree.items()})
     if tree.get("meaning") in HALF_WIDTHS and tree.get("distribution") in NORMAL:
         del tree["distribution"]
-    if "degrees_of_freedom" in tree:  # of a standard uncertainty alone
-        for key in ("meaning", "distribution", "reading"):
-            tree.pop(key, None)
+    _keep_uncertain(tree)
     tree.pop("density", None)  # only beside some units
     if "bias_stability" in tree and "adds_to" not in tree.get("flicker", {}):
         tree.pop("flicker", None)
@@ -164,6 +162,13 @@ def _keep_rules(tree):
     if tree.get("costs") == {}:
         tree["costs"] = {"gyro.bias_stability": {"a": Raw("2")}}
     return tree
+
+
+def _keep_uncertain(tree):
+    """Mend a figure with degrees of freedom: they are of a standard uncertainty."""
+    if "degrees_of_freedom" in tree:
+        for key in ("meaning", "distribution", "reading"):
+            tree.pop(key, None)
 
 
 def _keep_one_process(stable):
@@ -260,7 +265,7 @@ def _keep_windows(tree):
 
 
 def _keep_device(tree):
-    """Mend a device: a range of the unit names sensors that the file has without one."""
+    """Mend a device: a range of the unit is of both sensors, and of none with its own."""
     sensors = [tree.get(key, {}) for key in ("gyro", "accelerometer")]
     if not all(sensors) or any("range" in sensor for sensor in sensors):
         tree.pop("range", None)
