@@ -265,7 +265,7 @@ def _keep_windows(tree):
 
 
 def _keep_device(tree):
-    """Mend a device: a range of the unit is of both sensors, and of none with its own."""
+    """Mend a device: a range of the unit is of both sensors, neither with its own."""
     sensors = [tree.get(key, {}) for key in ("gyro", "accelerometer")]
     if not all(sensors) or any("range" in sensor for sensor in sensors):
         tree.pop("range", None)

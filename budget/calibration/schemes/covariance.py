@@ -23,7 +23,7 @@ from budget.model.source import Disturbance, Noise, Offset, Statistics, Triad
 from budget.model.sources import ENVIRONMENT, STATION, source_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
@@ -58,25 +58,58 @@ def covariances_of(
             for axis in range(3):
                 process = effect.process(line, axis, procedure.sample_rate)
                 found[axis] += process.covariance(schedule)
-    every = np.tile(np.eye(n), (3, 1, 1))
-    scheme = _Windows(
-        owner=sensor.kind,
-        schedule=schedule,
-        place=procedure.place,
-        timing=procedure.timing,
-        weights=every,
-    )
-    disturbed = _disturbed(sensor, procedure, scheme) + _left(sensor, scheme, held)
+    scheme = Windows.of(sensor.kind, schedule, procedure)
+    disturbed = _left(sensor, scheme, held)
+    for shown in _disturbances(sensor, procedure, scheme):
+        disturbed += shown @ shown.transpose(0, 2, 1)
     size = np.trace(disturbed, axis1=1, axis2=2) / n
     return np.asarray(found + disturbed + FLOOR * size[:, None, None] * np.eye(n))
 
 
+def joint_covariance(sensor: Sensor, procedure: Procedure, schedule: Schedule) -> Array:
+    """Return the covariance of the window averages of a triad, shape (3 n, 3 n).
+
+    Axis after axis [unit of the input, squared]. What the table and the place are off
+    by reaches all axes, so that these are correlated; what parameters are off by is not
+    in it.
+    """
+    n = len(schedule.windows)
+    found = np.zeros((3, n, 3, n))
+    for line in noise_of(sensor.kind, sensor.lines):
+        effect = source_of(sensor.kind, line.name).meant(line).effect
+        if isinstance(effect, Noise):
+            for axis in range(3):
+                process = effect.process(line, axis, procedure.sample_rate)
+                found[axis, :, axis] += process.covariance(schedule)
+    joint = found.reshape(3 * n, 3 * n)
+    scheme = Windows.of(sensor.kind, schedule, procedure)
+    for shown in _disturbances(sensor, procedure, scheme):
+        G = shown.reshape(3 * n, -1)
+        joint += G @ G.T
+    return joint
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Windows(Scheme):
+class Windows(Scheme):
     """A triad whose statistics are the window averages themselves."""
 
     def __post_init__(self) -> None:
         """Estimate nothing: there is no W A to check."""
+
+    @classmethod
+    def of(cls, owner: str, schedule: Schedule, procedure: Procedure) -> Windows:
+        """Return those of a triad in a schedule."""
+        return cls(
+            owner=owner,
+            schedule=schedule,
+            place=procedure.place,
+            timing=procedure.timing,
+            weights=np.tile(np.eye(len(schedule.windows)), (3, 1, 1)),
+        )
+
+    def held_of(self, quantity: str) -> Array:
+        """Return 1: what a new unit has of a parameter is in its readings."""
+        return np.ones(6 if quantity == "mounting_angle" else 3)
 
 
 def _left(sensor: Sensor, scheme: Scheme, held: Held) -> Array:
@@ -95,15 +128,15 @@ def _left(sensor: Sensor, scheme: Scheme, held: Held) -> Array:
     return np.asarray((A * each[:, None]) @ A.T)
 
 
-def _disturbed(sensor: Sensor, procedure: Procedure, scheme: Scheme) -> Array:
-    """Return what disturbances add to the covariance, shape (3, n, n)."""
+def _disturbances(
+    sensor: Sensor, procedure: Procedure, scheme: Scheme
+) -> Iterator[Array]:
+    """Yield G times a root of U of each disturbance, shape (3, n, inputs)."""
     triad = Triad(
         scheme=scheme,
         given={line.name: line for line in (*procedure.environment, *sensor.lines)},
         statistics=Statistics(weights=scheme.weights),
     )
-    n = len(scheme.schedule.windows)
-    found = np.zeros((3, n, n))
     owners = (
         (sensor.kind, sensor.lines),
         (STATION, procedure.station),
@@ -113,9 +146,7 @@ def _disturbed(sensor: Sensor, procedure: Procedure, scheme: Scheme) -> Array:
         for line in lines:
             effect = source_of(owner, line.name).meant(line).effect
             if isinstance(effect, Disturbance) and line.u.any():
-                shown = _shown(effect, line, triad, sensor)
-                found += shown @ shown.transpose(0, 2, 1)
-    return found
+                yield _shown(effect, line, triad, sensor)
 
 
 def _shown(effect: Disturbance, line: Given, triad: Triad, sensor: Sensor) -> Array:

@@ -99,7 +99,9 @@ class Ellipse:
         """Return its points north and east, so many times as large, (POINTS, 2) [m]."""
         t = np.linspace(0.0, 2.0 * np.pi, POINTS)
         along, across = self.major * np.cos(t), self.minor * np.sin(t)
-        c, s = np.cos(self.bearing), np.sin(self.bearing)
+        # One that is round has its major axis wherever rounding puts it.
+        bearing = 0.0 if self.is_round else self.bearing
+        c, s = np.cos(bearing), np.sin(bearing)
         shape = np.column_stack([c * along - s * across, s * along + c * across])
         return np.asarray(self.centre + times * shape)
 
