@@ -357,7 +357,7 @@ class Asked:
     coverage: float | None = setting(
         None,
         "Probability of the intervals, 0.95 or '95 %' (0.95).",
-        "analyze mission report sweep check diff",
+        "analyze mission report sweep check diff calibrate",
         said="Probability of the intervals; the requirement's, else 0.95.",
         metavar="P",
         read=_coverage,
@@ -663,7 +663,7 @@ class Inputs(Use):
     requirement: Requirement | File | None = setting(
         None,
         "Requirement file; its coverage and error reference rule.",
-        "analyze mission report compare allocate station sweep check",
+        "analyze mission report compare allocate station sweep check calibrate",
         said="What it is judged against; its coverage and error reference rule.",
         at={
             "compare": {"only": CLI, "needed": True},
@@ -678,7 +678,7 @@ class Inputs(Use):
         (),
         "Another value than the file's, as gyro.bias_stability='0.02 deg/h', of an "
         "axis gyro.bias_repeatability.x=..., of one device NAME:gyro....",
-        f"{_JUDGING} station export check diff devices validate simulate",
+        f"{_JUDGING} station export check diff devices validate simulate calibrate",
         only=CLI,
         panel=JUDGED,
         option="--set",
@@ -711,16 +711,22 @@ class Inputs(Use):
         None,
         "Procedure file (the paper's).",
         "analyze mission report allocate station export sweep diff simulate "
-        "characterise",
+        "characterise calibrate",
         at={
+            "calibrate": {
+                "needed": True,
+                "help": "Procedure that was followed.",
+                "said": "The one that was followed.",
+            },
             "characterise": {
                 "help": "Whose place is taken, with --attitude.",
                 "said": "Whose place is taken, with an attitude.",
             },
             "simulate": {
-                "help": "Whose place and sample rate are taken (the paper's).",
-                "said": "Whose place and sample rate are taken; the paper's without "
-                "it.",
+                "help": "Test that is recorded; with --static whose place and rate are "
+                "taken (the paper's).",
+                "said": "The test, or whose place and rate are taken; the paper's "
+                "without it.",
             },
         },
         said="The test; the paper's, if none is given, and of a mission alone the "
@@ -750,7 +756,7 @@ class Inputs(Use):
         None,
         "Station file: what is not known of table, place and environment (an ideal "
         "one).",
-        f"{_JUDGING} export sweep check diff",
+        f"{_JUDGING} export sweep check diff simulate calibrate",
         said="Where a procedure is done that names no station itself.",
         panel=USED,
         metavar="FILE",

@@ -408,15 +408,19 @@ class TriadRun:
     @cached_property
     def hypotheses(self) -> tuple[Mistake, ...]:
         """Mistakes that change what is read or put in, those of free size fitted."""
-        known = [one for one in mistakes_of(self) if self._is_seen(one)]
+        known = [one for one in self.known if self.is_seen(one)]
         return tuple(known + list(self._fitted()))
 
     @cached_property
-    def unseen(self) -> tuple[Mistake, ...]:
-        """Mistakes that change nothing that this triad reads in these windows."""
-        return tuple(one for one in mistakes_of(self) if not self._is_seen(one))
+    def known(self) -> tuple[Mistake, ...]:
+        """Mistakes that are known of these windows, those of a size apart."""
+        return tuple(
+            mistakes_of(
+                self.owner, self.windows, self.numbers, self.place, self.sample_rate
+            )
+        )
 
-    def _is_seen(self, mistake: Mistake) -> bool:
+    def is_seen(self, mistake: Mistake) -> bool:
         """Whether it changes anything."""
         if mistake.mix or mistake.factor != 1.0 or mistake.added:
             return True
@@ -437,7 +441,7 @@ class TriadRun:
             return Mistake(
                 name="latitude",
                 what=(("value", degrees(latitude)),),
-                place=_moved(self.place, latitude),
+                place=moved_to(self.place, latitude),
                 is_free=True,
             )
 
@@ -503,11 +507,20 @@ class TriadRun:
         return max(x if np.isfinite(x) else 1.0 for x in found)
 
 
-def mistakes_of(run: TriadRun) -> Iterator[Mistake]:
-    """Yield the mistakes that are known, each a change of inputs or readings."""
-    windows, place = run.windows, run.place
+def mistakes_of(
+    owner: str,
+    windows: Sequence[Window],
+    numbers: Sequence[int],
+    place: Place,
+    sample_rate: float,
+) -> Iterator[Mistake]:
+    """Yield the mistakes that are known of a triad's windows, those of a size apart.
+
+    Each is a change of inputs or readings; `numbers` are those of the windows in the
+    procedure.
+    """
     turns = [k for k, one in enumerate(windows) if one.sense]
-    if run.owner == GYRO:
+    if owner == GYRO:
         yield from _of_earth(place)
         if turns:
             yield Mistake(
@@ -532,16 +545,16 @@ def mistakes_of(run: TriadRun) -> Iterator[Mistake]:
         ),
     )
     yield from _of_axes()
-    if run.owner == GYRO:
+    if owner == GYRO:
         for factor in (pi / 180.0, 180.0 / pi):
             yield Mistake(
                 name="degrees_radians", what=(("factor", factor),), factor=factor
             )
-    for factor in (run.sample_rate, 1.0 / run.sample_rate):
+    for factor in (sample_rate, 1.0 / sample_rate):
         if factor != 1.0:
             yield Mistake(name="per_sample", what=(("factor", factor),), factor=factor)
     for k, one in enumerate(windows):
-        yield from _of_window(run, k, one)
+        yield from _of_window(numbers[k], k, one)
     n = len(windows)
     for i, j in combinations(range(n), 2):
         if n <= MOST_PAIRS or j == i + 1:
@@ -549,7 +562,7 @@ def mistakes_of(run: TriadRun) -> Iterator[Mistake]:
             order[i], order[j] = j, i
             yield Mistake(
                 name="windows_order",
-                what=(("windows", (run.numbers[i], run.numbers[j])),),
+                what=(("windows", (numbers[i], numbers[j])),),
                 order=tuple(order),
             )
 
@@ -560,10 +573,10 @@ def _of_earth(place: Place) -> Iterator[Mistake]:
         name="earth_rate_sign", place=replace(place, earth_rate=-place.earth_rate)
     )
     yield Mistake(name="earth_rate_missing", place=replace(place, earth_rate=0.0))
-    yield Mistake(name="latitude_sign", place=_moved(place, -place.latitude))
+    yield Mistake(name="latitude_sign", place=moved_to(place, -place.latitude))
 
 
-def _moved(place: Place, latitude: float) -> Place:
+def moved_to(place: Place, latitude: float) -> Place:
     """Return a place at another latitude, with the gravity of there if it is normal."""
     gravity = place.gravity
     if place.is_normal:
@@ -601,9 +614,9 @@ def _rows(matrix: Array) -> tuple[tuple[float, ...], ...]:
     return tuple(map(tuple, matrix.tolist()))
 
 
-def _of_window(run: TriadRun, k: int, one: Window) -> Iterator[Mistake]:
+def _of_window(number: int, k: int, one: Window) -> Iterator[Mistake]:
     """Yield mistakes of one window: another face, azimuth, or sense of its turn."""
-    where = ((OF_WINDOW, run.numbers[k]),)
+    where = ((OF_WINDOW, number),)
     setting = one.setting
     for (axis, sign), (middle, inner) in FACES.items():
         if _alike(setting.middle, middle) and _alike(setting.inner, inner):

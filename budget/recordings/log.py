@@ -166,7 +166,7 @@ def read_logs(
     tables = [NumberTable(path, shown) for path, shown in recording.files]
     groups: dict[tuple[str, ...], list[_Opened]] = {}
     for table in tables:
-        opened = _open(table, recording)
+        opened = open_table(table, recording)
         key = tuple(sorted(one.name for one in opened.columns if one.name))
         groups.setdefault(key, []).append(opened)
     names = [name for key in groups for name in key if name in CHANNELS]
@@ -222,7 +222,7 @@ class _Opened(NamedTuple):
         return self.table.pieces(self.wanted)
 
 
-def _open(table: NumberTable, recording: Recording) -> _Opened:
+def open_table(table: NumberTable, recording: Recording) -> _Opened:
     """Find what the columns of a table are.
 
     Raises

@@ -8,6 +8,7 @@ errors.
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import ceil, log, pi, sqrt
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.files import File
     from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
+    from budget.model.scheme import Scheme
     from budget.model.source import Given
 
 LEAST_SAMPLES, MOST_SAMPLES = 100, 1_000_000_000
@@ -58,30 +60,30 @@ AT_REST = Window(name="at rest", start=0.0, length=np.inf)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SimulatedRecording:
-    """A recording at rest that a device would give, made piece by piece when asked for.
+class SimulatedReadings:
+    """What a device would give: drawn of one seed, made piece by piece when asked for.
 
     Attributes
     ----------
     device : Device
     procedure : Procedure
-        Of which the place is taken.
     rate : float
         Of sampling [Hz].
-    samples : int
     seed : int
     """
 
     device: Device
     procedure: Procedure
     rate: float
-    samples: int
     seed: int
 
-    @property
-    def duration(self) -> float:
-        """From the first sample to the end of the last [s]."""
-        return self.samples / self.rate
+    def scheme_of(self, sensor: Sensor) -> Scheme | None:  # noqa: ARG002
+        """Return the windows of a triad; None of no test."""
+        return None
+
+    def acts(self, owner: str, line: ErrorLine) -> bool:
+        """Whether a line acts."""
+        return _acts(owner, line)
 
     @cached_property
     def heads(self) -> tuple[str, ...]:
@@ -106,7 +108,7 @@ class SimulatedRecording:
     def turn_ons(self) -> Mapping[str, TurnOn]:
         """The constants that each triad has, by its kind [SI]."""
         return {
-            one.kind: turn_on_of(one, self._draw(one), _known(one))
+            one.kind: turn_on_of(one, self._draw(one), known_lines(one))
             for one in self.device.sensors
         }
 
@@ -134,9 +136,11 @@ class SimulatedRecording:
         """Draw what the sources are; of a process its first samples are to come."""
         stream = partial(stream_of, self.seed, 0)
         drawn = [
-            draw_source(sensor.kind, line, None, self.rate, stream)
+            draw_source(
+                sensor.kind, line, self.scheme_of(sensor), self.rate, stream
+            )
             for line in (*sensor.lines, *sensor.initial)
-            if line.u.any() and _acts(sensor.kind, line)
+            if line.u.any() and self.acts(sensor.kind, line)
         ]
         return [
             replace(
@@ -152,6 +156,37 @@ class SimulatedRecording:
             for one in drawn
         ]
 
+    def csv(self) -> Iterator[str]:
+        """Yield its text as a file has it, heads first; of one seed the same bytes."""
+        yield ",".join(self.heads) + "\n"
+        sizes = [size_of(LIKE[TIME])]
+        for one in self.device.sensors:
+            sizes += [size_of(LIKE[one.kind])] * len(AXES)
+        row = ",".join([STAMP, *[NUMBER] * (len(sizes) - 1)]) + "\n"
+        for piece in self.pieces():
+            yield row * len(piece) % tuple((piece / sizes).ravel().tolist())
+
+    @abstractmethod
+    def pieces(self) -> Iterator[Array]:
+        """Yield stamps [s] and readings [rad/s, m/s^2], shape (n, 1 + columns)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedRecording(SimulatedReadings):
+    """A recording at rest that a device would give.
+
+    Attributes
+    ----------
+    samples : int
+    """
+
+    samples: int
+
+    @property
+    def duration(self) -> float:
+        """From the first sample to the end of the last [s]."""
+        return self.samples / self.rate
+
     def pieces(self) -> Iterator[Array]:
         """Yield stamps [s] and readings [rad/s, m/s^2], shape (n, 1 + columns)."""
         dt = 1.0 / self.rate
@@ -165,7 +200,7 @@ class SimulatedRecording:
             timing=Timing(),
         )
         triads = [
-            (one, self._draw(one), self.turn_ons[one.kind], _known(one))
+            (one, self._draw(one), self.turn_ons[one.kind], known_lines(one))
             for one in self.device.sensors
         ]
         for first in range(0, self.samples, PIECE):
@@ -180,16 +215,6 @@ class SimulatedRecording:
                 K = (1.0 + tested.k)[:, None]
                 columns.append(np.broadcast_to(K * found, (len(AXES), n)))
             yield np.concatenate(columns).T
-
-    def csv(self) -> Iterator[str]:
-        """Yield its text as a file has it, heads first; of one seed the same bytes."""
-        yield ",".join(self.heads) + "\n"
-        sizes = [size_of(LIKE[TIME])]
-        for one in self.device.sensors:
-            sizes += [size_of(LIKE[one.kind])] * len(AXES)
-        row = ",".join([STAMP, *[NUMBER] * (len(sizes) - 1)]) + "\n"
-        for piece in self.pieces():
-            yield row * len(piece) % tuple((piece / sizes).ravel().tolist())
 
 
 def flicker_samples(
@@ -213,7 +238,7 @@ def flicker_samples(
     return lambda at: np.asarray(sum(part(at) for part in parts))
 
 
-def _known(sensor: Sensor) -> Mapping[str, ErrorLine]:
+def known_lines(sensor: Sensor) -> Mapping[str, ErrorLine]:
     """Return what the data sheet gives, by key."""
     return {line.name: line for line in sensor.lines}
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from math import isclose
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 
     from budget.calibration.saturation import Peak
     from budget.inputs.records import ErrorLine, Procedure, Sensor
+    from budget.model.windows import Window
+
+SAME_LENGTH = 1e-6  # of the length of a turn [1]
 
 
 def schemes_of(
@@ -228,6 +232,49 @@ def schedule_of(owner: str, procedure: Procedure) -> Schedule:
     return Schedule(windows=own, others=others)
 
 
+@lru_cache(maxsize=64)
+def windows_of(procedure: Procedure) -> tuple[Window, ...]:
+    """Return all windows of a test in their order, on one clock.
+
+    Of the paper's tests those of the gyro stand before those of the accelerometers.
+    """
+    if procedure.windows:
+        return procedure.windows
+    gyro = zhao_2019.schedule_of(GYRO, procedure).windows
+    other = zhao_2019.schedule_of(ACCELEROMETER, procedure)
+    if other.others:  # on one clock already, dwells read by both
+        dwells = {one.start for one in other.windows}
+        return tuple(
+            replace(one, use="both" if one.start in dwells else GYRO) for one in gyro
+        )
+    begin = gyro[-1].end + procedure.gyro.pause
+    return (
+        *(replace(one, use=GYRO) for one in gyro),
+        *(
+            replace(one, use=ACCELEROMETER, start=one.start + begin)
+            for one in other.windows
+        ),
+    )
+
+
+def as_recorded(procedure: Procedure, windows: tuple[Window, ...]) -> Procedure:
+    """Return a procedure with its windows as they were, by start and length.
+
+    The paper's formulas are of windows as they should be: where a turn took another
+    time than that, least squares stand in their place.
+    """
+    is_same = all(
+        isclose(one.length, other.length, rel_tol=SAME_LENGTH)
+        for one, other in zip(windows, windows_of(procedure), strict=True)
+        if one.sense
+    )
+    if procedure.formulas in SCHEMES:
+        return replace(procedure, windows=windows)
+    if is_same:
+        return procedure
+    return replace(procedure, windows=windows, formulas=PLAIN)
+
+
 def removal(name: Name, procedure: Procedure) -> str:
     """Return what makes a source cancel in a test that is good at it; '' if nothing."""
     effect = source_of(name.owner, name.quantity).effect
@@ -310,6 +357,7 @@ def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
 
 __all__ = [
     "answered",
+    "as_recorded",
     "calibrates",
     "estimated",
     "initial_lines",
@@ -319,5 +367,6 @@ __all__ = [
     "schedule_of",
     "scheme_of",
     "schemes_of",
+    "windows_of",
     "with_accelerometers",
 ]

@@ -1,0 +1,853 @@
+"""A recorded calibration: values, how sure they are, and whether the run was sound.
+
+Values come by the estimator of the procedure (budget.model.scheme) from means of its
+windows; their covariance is that of the budget, of errors against the values during
+the test (budget.calibration.problem). Without a device it is that of the scatter: with
+s^2 the residual sum of squares over n - m degrees of freedom, and J the derivative of
+the estimate by the readings, J s^2 J'.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot, inf, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.derived import known_outputs, parts_of
+from budget.calibration.mistakes import (
+    SUSPECT,
+    TriadRun,
+    prior_of,
+)
+from budget.calibration.problem import BIAS_UNITS, calibration_problem
+from budget.calibration.schemes import (
+    as_recorded,
+    calibrates,
+    estimated,
+    is_beside,
+    orders_of,
+    schemes_of,
+    windows_of,
+)
+from budget.errors import CallError
+from budget.inputs import load_device, load_procedure, load_recording
+from budget.inputs.files import find
+from budget.inputs.records import UNCALIBRATED, Sensor
+from budget.inputs.recording import with_columns
+from budget.methods.gum import propagate
+from budget.model.estimators import estimator_of
+from budget.model.norm import NormScheme
+from budget.model.response import COLUMN, ROW, SIGN, tilt_matrix
+from budget.model.source import GYRO, SENSORS
+from budget.names import ANGLES, AXES, ORDERS, Name, parameters_of
+from budget.recordings.calibrated import (
+    CalibratedOutput,
+    CompensationMatrix,
+    MistakeRow,
+    PassedOver,
+    RecordedCalibration,
+    RunChiSquare,
+    RunWindow,
+    Suspicion,
+    UnseenMistake,
+)
+from budget.recordings.columns import COUNTS, LIKE
+from budget.recordings.run import read_windows
+from budget.results import InputFile, input_files
+from budget.sentences import sentence
+from budget.settings import Asked, Inputs, asking
+from budget.units import size_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from budget.arrays import Array
+    from budget.calibration.mistakes import ChiSquare, Mistake
+    from budget.inputs.files import File
+    from budget.inputs.records import Device, Procedure, Recording, Requirement
+    from budget.model.response import CalibratedTriad
+    from budget.model.scheme import Scheme
+    from budget.problem import Output
+    from budget.recordings.run import RecordedWindows
+
+STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
+SHOWN = 0.95  # probability of being seen, below which a mistake may be missed [1]
+WORST = 3  # windows that are named
+TINY = 1e-9  # of a reading's uncertainty, below which nothing can be left of it [1]
+AS_TESTED, SCALE_FACTOR = "as_tested", "scale_factor"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Triad:
+    """One triad of a run.
+
+    Attributes
+    ----------
+    sensor : Sensor
+    scheme : Scheme
+    numbers : tuple of int
+        Of its windows in the procedure, from 1.
+    readings : ndarray, shape (3, n)
+        Means [SI or counts].
+    scale, zero : ndarray, shape (3,)
+        What readings are taken over and from, so that their scale factors are near 1.
+    found : CalibratedTriad
+        Of readings so scaled.
+    has_counts : bool
+    """
+
+    sensor: Sensor
+    scheme: Scheme
+    numbers: tuple[int, ...]
+    readings: Array
+    scale: Array
+    zero: Array
+    found: CalibratedTriad
+    has_counts: bool
+
+    @property
+    def scaled(self) -> Array:
+        """Readings over their scale, (3, n) [unit of the input]."""
+        return np.asarray((self.readings - self.zero[:, None]) / self.scale[:, None])
+
+    @property
+    def scale_factor(self) -> Array:
+        """K of readings over the input, (3,) [1, or counts per unit of the input]."""
+        return np.asarray(self.scale * self.found.scale_factor)
+
+    @property
+    def bias(self) -> Array:
+        """b of K (M u + b), (3,) [unit of the input]."""
+        return np.asarray(self.found.bias + self.zero / self.scale_factor)
+
+    @property
+    def values(self) -> Array:
+        """Parameters in the order of names: k or K, angles, biases, higher orders."""
+        own = self.scale_factor if self.has_counts else self.scale_factor - 1.0
+        higher = self.found.higher
+        more = np.empty(0) if higher is None else higher
+        return np.concatenate([own, self.found.mounting_angle, self.bias, more])
+
+    @property
+    def nominal(self) -> Array:
+        """What the design has of them; nan of the scale factors of counts."""
+        own = np.full(3, np.nan) if self.has_counts else np.zeros(3)
+        angle, bias = self.sensor.nominal_mounting_angle, self.sensor.nominal_bias
+        more = np.full(len(self.values) - 12, np.nan)
+        return np.concatenate([own, angle, bias, more])
+
+    @property
+    def residuals(self) -> Array:
+        """Readings less those of what was found, (3, n) [unit of the input].
+
+        By the norm of gravity, of what the calibrated triad shows along its length.
+        """
+        M = np.eye(3) + tilt_matrix(self.found.mounting_angle)
+        K, b = self.found.scale_factor[:, None], self.found.bias[:, None]
+        if isinstance(self.scheme, NormScheme):
+            shown = np.linalg.solve(M, self.scaled / K - b)
+            g = float(np.linalg.norm(self.scheme.gravity))
+            return np.asarray(np.linalg.norm(shown, axis=0)[None] - g)
+        inputs = (self.scheme.turn + self.scheme.standing).T
+        true = M @ inputs + b
+        if self.scheme.orders and self.found.higher is not None:
+            K_p = self.found.higher.reshape(-1, 3)
+            true = true + np.einsum("inm,mi->in", self.scheme.powers, K_p)
+        return np.asarray(self.scaled / K - true)
+
+
+@asking("calibrate")
+def calibrate(
+    *runs: Recording | File,
+    device: Device | File | None = None,
+    rate: float | None = None,
+    columns: str | None = None,
+    recording: Recording | File | None = None,
+    windows: File | None = None,
+    serial: str = "",
+    date: str = "",
+    inputs: Inputs,
+    asked: Asked,
+) -> RecordedCalibration:
+    """Calibrate a unit from what was recorded of a procedure.
+
+    Parameters
+    ----------
+    *runs : str, Path or Recording
+        A table with a row of means for each window, or recordings one after the other.
+    device : str, Path or Device, optional
+        What the unit should be; without it uncertainties are those of the scatter.
+    rate : float, optional
+        Of sampling, in the place of stamps [Hz].
+    columns : str, optional
+        Heads in the place of those of the files, with commas between them.
+    recording : str, Path or Recording, optional
+        Recording file that says what the columns of all of them are.
+    windows : str or Path, optional
+        Table of when each window begins and ends.
+    serial, date : str
+        Number of the unit, and when it was run, as they are to stand in the result.
+
+    Returns
+    -------
+    RecordedCalibration
+
+    Raises
+    ------
+    CallError
+        No procedure is given, or its windows are not in the recording.
+    SpecError
+        Everything that is wrong with a file, each at its line.
+    """
+    if not runs:
+        raise CallError("no run is given; name the file of one")
+    if inputs.procedure is None:
+        raise CallError(
+            "a run is of a procedure; name the one that was followed (--procedure)"
+        )
+    how = inputs.calibrated()
+    if how.formulas in UNCALIBRATED:
+        raise CallError(f"{how.name} is no test of which a run could be recorded")
+    like = None if recording is None else load_recording(recording)
+    recordings = [
+        with_columns(load_recording(one), rate=rate, columns=columns, like=like)
+        for one in runs
+    ]
+    times = None
+    if windows is not None:
+        file = find(windows, "recording")
+        times = (file.path, file.shown)
+    read = read_windows(
+        recordings,
+        windows_of(how),
+        name=how.name,
+        times=times,
+        knows_attitudes=estimator_of(how.formulas).knows_attitudes,
+    )
+    unit = None if device is None else load_device(device)
+    there = as_recorded(how, read.windows)
+    triads = [*_triads(read, there, unit)]
+    if not triads:
+        kinds = ", ".join(read.means)
+        raise CallError(
+            f"{how.name} calibrates no triad of {read.name}, which has the {kinds}; "
+            "give another procedure or recording"
+        )
+    wanted = inputs.required
+    given = GivenOfRun(
+        unit=unit,
+        requirement=wanted,
+        coverage=asked.settle(wanted).coverage,
+        serial=serial,
+        date=date,
+    )
+    made = _Made.of(triads, there, unit)
+    return _put_together(read, recordings, how, there, triads, made, given)
+
+
+def _triads(
+    read: RecordedWindows, procedure: Procedure, unit: Device | None
+) -> Iterator[_Triad]:
+    """Yield the triads that were recorded, calibrated.
+
+    Raises
+    ------
+    CallError
+        A window has no reading, or the gyro is found by what is between windows.
+    """
+    there = {one.kind: one for one in (unit.sensors if unit else ())}
+    for kind in SENSORS:
+        if kind not in read.means or not calibrates(kind, procedure):
+            continue
+        if unit is not None and kind not in there:
+            continue
+        if kind == GYRO and is_beside(procedure):
+            continue
+        sensor = there.get(kind) or bare_sensor(kind)
+        own = [
+            k for k, one in enumerate(read.windows) if one.use in {kind, "both"}
+        ]
+        readings = read.means[kind][:, own]
+        if not np.isfinite(readings).all():
+            axis, k = np.argwhere(~np.isfinite(readings))[0]
+            raise CallError(
+                f"{read.name}: window {own[k] + 1} ({read.windows[own[k]].name}) has "
+                f"no reading of {kind}_{'xyz'[axis]}, which the procedure uses; give "
+                f"it, or let the window be of the other triad alone (use)"
+            )
+        scheme = schemes_of([sensor], procedure)[kind]
+        yield _triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
+
+
+def bare_sensor(kind: str) -> Sensor:
+    """Return a triad of which nothing is known."""
+    return Sensor(
+        kind=kind,
+        device="",
+        nominal_bias=np.zeros(3),
+        nominal_mounting_angle=np.zeros(6),
+        lines=(),
+        not_given=(),
+        expected_missing=(),
+    )
+
+
+def _triad(
+    sensor: Sensor,
+    scheme: Scheme,
+    own: Sequence[int],
+    readings: Array,
+    *,
+    is_counted: bool,
+) -> _Triad:
+    """Calibrate one triad."""
+    scale, zero = np.ones(3), np.zeros(3)
+    if is_counted:
+        size = float(np.abs(scheme.turn + scheme.standing).max())
+        low, high = readings.min(axis=1), readings.max(axis=1)
+        if not (high > low).all():
+            raise CallError(f"the {sensor.kind} reads the same in all windows")
+        scale, zero = (high - low) / (2.0 * size), (high + low) / 2.0
+        if not isinstance(scheme, NormScheme):
+            found = scheme.estimate((readings - zero[:, None]) / scale[:, None])
+            scale = scale * found.scale_factor
+    scaled = (readings - zero[:, None]) / scale[:, None]
+    return _Triad(
+        sensor=sensor,
+        scheme=scheme,
+        numbers=tuple(k + 1 for k in own),
+        readings=readings,
+        scale=scale,
+        zero=zero,
+        found=scheme.estimate(scaled),
+        has_counts=is_counted,
+    )
+
+
+# ---- how sure ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Made:
+    """Outputs of all triads, with values and how sure these are [SI]."""
+
+    outputs: tuple[Output, ...]
+    value: Array
+    covariance: Array
+    degrees_of_freedom: Array
+    nominal: Array
+    prior: Array  # standard uncertainties before; nan where nothing is known
+
+    @classmethod
+    def of(
+        cls, triads: Sequence[_Triad], procedure: Procedure, unit: Device | None
+    ) -> _Made:
+        """Put values, and the law of the budget or the scatter, together."""
+        kinds = [one.sensor.kind for one in triads]
+        wanted = known_outputs(kinds, procedure)
+        if not wanted:
+            raise CallError(f"{procedure.name} estimates nothing of the {kinds[0]}")
+        sensors = tuple(one.sensor for one in triads)
+        problem = calibration_problem(
+            sensors, procedure, reference=AS_TESTED, outputs=wanted
+        )
+        places: dict[Name, float] = {}
+        nominal: dict[Name, float] = {}
+        prior: dict[Name, float] = {}
+        for triad in triads:
+            names = _names(triad, procedure)
+            inputs = triad.scheme.turn + triad.scheme.standing
+            before = prior_of(
+                triad.sensor,
+                float(np.abs(inputs).max()),
+                is_scaled=not triad.has_counts,
+            )
+            u = np.where(before.is_known, before.u, np.nan)
+            for name, value, design, old in zip(
+                names,
+                triad.values,
+                triad.nominal,
+                np.concatenate([u, np.full(len(names) - 12, np.nan)]),
+                strict=True,
+            ):
+                places[name], nominal[name] = float(value), float(design)
+                prior[name] = float(old) if unit is not None else np.nan
+        if unit is None:
+            covariance, nu = _by_scatter(triads, procedure, wanted)
+        else:
+            law = propagate(problem)
+            covariance, nu = law.covariance, law.degrees_of_freedom
+        return cls(
+            outputs=tuple(problem.outputs),
+            value=_summed(wanted, places),
+            covariance=np.asarray(covariance),
+            degrees_of_freedom=np.asarray(nu),
+            nominal=_summed(wanted, nominal),
+            prior=np.array(
+                [
+                    sqrt(sum((x * prior[one]) ** 2 for one, x in parts_of(n).items()))
+                    for n in wanted
+                ]
+            ),
+        )
+
+
+def _names(triad: _Triad, procedure: Procedure) -> list[Name]:
+    """Return the names of a triad's values, in their order."""
+    kind = triad.sensor.kind
+    more = [one for one in estimated(kind, procedure) if one.quantity in ORDERS]
+    return [*parameters_of(kind), *more][: len(triad.values)]
+
+
+def _summed(names: Sequence[Name], values: Mapping[Name, float]) -> Array:
+    """Return outputs of parameters, each a sum of its parts."""
+    return np.array(
+        [sum(x * values[part] for part, x in parts_of(one).items()) for one in names]
+    )
+
+
+def _by_scatter(
+    triads: Sequence[_Triad], procedure: Procedure, wanted: Sequence[Name]
+) -> tuple[Array, Array]:
+    """Return covariance and degrees of freedom of outputs by the scatter of readings.
+
+    Raises
+    ------
+    CallError
+        There are no more readings than parameters.
+    """
+    n = len(wanted)
+    covariance, nu = np.zeros((n, n)), np.full(n, inf)
+    for triad in triads:
+        names = _names(triad, procedure)
+        left = triad.residuals
+        held = triad.scheme.held
+        if isinstance(triad.scheme, NormScheme):
+            free = [left.shape[1] - len(triad.scheme.held.estimated)] * 3
+            squares = np.full(3, float((left**2).sum()))
+        else:
+            which = np.zeros((3, 4), dtype=bool) if held is None else held.which
+            fitted = (~which).sum(axis=1) + len(triad.scheme.orders)
+            free = [left.shape[1] - int(one) for one in fitted]
+            squares = (left**2).sum(axis=1)
+        if min(free) <= 0:
+            raise CallError(
+                f"{procedure.name} has no more windows than parameters of the "
+                f"{triad.sensor.kind}, so that no scatter says how sure they are; "
+                "give the device (--device), or repeat windows"
+            )
+        s = np.sqrt(squares / np.array(free))
+        J = _derivative(triad)  # (values, 3, n)
+        of_values = np.einsum("pin,i,qin->pq", J, s**2, J)
+        change = np.zeros((n, len(names)))
+        for row, name in enumerate(wanted):
+            for part, x in parts_of(name).items():
+                if part in names:
+                    change[row, names.index(part)] = x
+        covariance += change @ of_values @ change.T
+        for row in np.flatnonzero(change.any(axis=1)):
+            axes = {_row_of(names[k]) for k in np.flatnonzero(change[row])}
+            nu[row] = min(nu[row], *(free[axis] for axis in axes))
+    return covariance, nu
+
+
+def _row_of(name: Name) -> int:
+    """Return the axis of a triad that a parameter is read by."""
+    return "xyz".index(name.axis[0])
+
+
+def _derivative(triad: _Triad) -> Array:
+    """Return the derivatives of relative values by scaled readings, (values, 3, n)."""
+    y = triad.scaled
+    step = STEP * float(np.abs(y).max())
+    found = np.zeros((len(triad.values), *y.shape))
+    for axis in range(3):
+        for k in range(y.shape[1]):
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = y.copy()
+                moved[axis, k] += sign * step
+                one = triad.scheme.estimate(moved)
+                more = np.empty(0) if one.higher is None else one.higher
+                ends.append(
+                    np.concatenate(
+                        [
+                            one.scale_factor / triad.found.scale_factor,
+                            one.mounting_angle,
+                            one.bias + triad.zero / (triad.scale * one.scale_factor),
+                            more,
+                        ]
+                    )
+                )
+            found[:, axis, k] = (ends[0] - ends[1])[: len(found)] / (2.0 * step)
+    return found
+
+
+# ---- what is said of it --------------------------------------------------------------
+
+
+def _put_together(
+    read: RecordedWindows,
+    recordings: Sequence[Recording],
+    how: Procedure,
+    there: Procedure,
+    triads: Sequence[_Triad],
+    made: _Made,
+    given: GivenOfRun,
+) -> RecordedCalibration:
+    """Return what has been found, in rows, and what has to be said of it."""
+    runs = {
+        one.sensor.kind: _run(one, there) for one in triads if given.unit is not None
+    }
+    sound = {kind: run for kind, run in runs.items() if run is not None}
+    looks = [
+        _suspicion(kind, run) for kind, run in sound.items() if not run.is_sound
+    ]
+    suspicions = tuple(one for one in looks if one is not None)
+    windows = tuple(
+        row for one in triads for row in _windows(one, read, sound.get(one.sensor.kind))
+    )
+    named = {one.mistake.sensor for one in suspicions}
+    lost = [k for k, run in sound.items() if not run.is_sound and k not in named]
+    return RecordedCalibration(
+        title=given.unit.name if given.unit else read.name,
+        serial=given.serial,
+        date=given.date,
+        procedure=how.name,
+        estimator=there.formulas,
+        coverage=given.coverage,
+        inputs=tuple(_files(read, recordings, how, given)),
+        outputs=tuple(_outputs(triads, made, given)),
+        covariance=tuple(map(tuple, _printed_covariance(triads, made).tolist())),
+        matrix=tuple(_matrix(one, made) for one in triads),
+        windows=windows,
+        chi_square=tuple(_chi(kind, one.residual) for kind, one in sound.items()),
+        prior=tuple(_chi(kind, one.prior) for kind, one in sound.items()),
+        looks_like=suspicions,
+        worst=_worst(windows, lost),
+        unseen=tuple(x for kind, run in sound.items() for x in unseen_of(kind, run)),
+        passed_over=tuple(PassedOver(start=a, end=b) for a, b in read.passed_over),
+        assumptions=(
+            *(given.unit.assumptions if given.unit else ()),
+            *how.assumptions,
+            sentence("calibrations.as_tested"),
+        ),
+        warnings=tuple(_warnings(read, how, there, triads, runs, given)),
+        least_p=SUSPECT,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GivenOfRun:
+    """What a caller says of a run.
+
+    Attributes
+    ----------
+    unit : Device or None
+    requirement : Requirement or None
+    coverage : float
+        Of the intervals [1].
+    serial, date : str
+    """
+
+    unit: Device | None
+    requirement: Requirement | None
+    coverage: float
+    serial: str = ""
+    date: str = ""
+
+
+def _run(triad: _Triad, procedure: Procedure) -> TriadRun | None:
+    """Return what mistakes are looked for in; None of what is known by its norm."""
+    if isinstance(triad.scheme, NormScheme):
+        return None
+    return TriadRun.of(
+        triad.sensor,
+        procedure,
+        triad.scheme.schedule,
+        triad.scaled,
+        triad.numbers,
+        is_scaled=not triad.has_counts,
+        orders=orders_of(triad.sensor.kind, procedure),
+    )
+
+
+def _chi(kind: str, one: ChiSquare) -> RunChiSquare:
+    """Return a chi-square as a row."""
+    return RunChiSquare(
+        sensor=kind,
+        value=one.value,
+        degrees_of_freedom=one.degrees_of_freedom,
+        p=one.p,
+    )
+
+
+def mistake_row(kind: str, mistake: Mistake) -> MistakeRow:
+    """Return a mistake as a row."""
+    return MistakeRow(name=mistake.name, sensor=kind, **dict(mistake.what))  # type: ignore[arg-type]
+
+
+def _suspicion(kind: str, run: TriadRun) -> Suspicion | None:
+    """Return what a triad's run looks like; None where no known mistake fits."""
+    found = run.looks_like
+    if found is None:
+        return None
+    return Suspicion(
+        mistake=mistake_row(kind, found.mistake),
+        evidence=found.evidence,
+        also=tuple(mistake_row(kind, one) for one in found.also),
+    )
+
+
+def unseen_of(kind: str, run: TriadRun) -> Iterator[UnseenMistake]:
+    """Yield the kinds of mistakes that may be missed, with the windows of each."""
+    groups: dict[str, list[Mistake]] = {}
+    for one in run.known:
+        groups.setdefault(one.name, []).append(one)
+    for name, own in groups.items():
+        seen = [run.shown(one) if run.is_seen(one) else 0.0 for one in own]
+        missed = [one for one, p in zip(own, seen, strict=True) if p < SHOWN]
+        # Two windows of equal inputs may be exchanged without harm.
+        if not missed or name == "windows_order":
+            continue
+        keys = [dict(one.what).get("window") for one in missed]
+        numbers = dict.fromkeys(key for key in keys if key is not None)
+        yield UnseenMistake(
+            name=name, sensor=kind, probability=min(seen), windows=tuple(numbers)
+        )
+
+
+def _windows(
+    triad: _Triad, read: RecordedWindows, run: TriadRun | None
+) -> Iterator[RunWindow]:
+    """Yield the windows of a triad, with what is left of each."""
+    kind = triad.sensor.kind
+    unit = COUNTS if triad.has_counts else LIKE[kind]
+    size = 1.0 if triad.has_counts else size_of(unit)
+    own_unit, own_size = BIAS_UNITS[kind]
+    left = triad.residuals
+    z = None if run is None else left / _residual_u(triad, run)
+    for k, number in enumerate(triad.numbers):
+        window = read.windows[number - 1]
+        yield RunWindow(
+            window=number,
+            name=window.name,
+            sensor=kind,
+            start=window.start,
+            length=window.length,
+            unit=unit,
+            mean=triad.readings[:, k] / size,
+            residual=left[:, k] / own_size,
+            residual_unit=own_unit,
+            z=None if z is None else z[:, k],
+        )
+
+
+def _residual_u(triad: _Triad, run: TriadRun) -> Array:
+    """Return standard uncertainties of residuals, (3, n): of (1 - A W) C (1 - A W)'."""
+    n = triad.readings.shape[1]
+    A = np.column_stack(
+        [triad.scheme.turn + triad.scheme.standing, np.ones(n), np.zeros((n, 0))]
+    )
+    C = run.covariance.reshape(3, n, 3, n)
+    found = np.empty((3, n))
+    for axis in range(3):
+        columns = A
+        if triad.scheme.orders:
+            columns = np.column_stack([A, triad.scheme.powers[axis]])
+        R = np.eye(n) - columns @ triad.scheme.weights[axis]
+        found[axis] = np.sqrt(np.maximum(np.diag(R @ C[axis, :, axis] @ R.T), 0.0))
+    noise = np.sqrt(np.diag(run.covariance)).reshape(3, n)
+    return np.asarray(np.where(found > TINY * noise, found, np.inf))
+
+
+def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...]:
+    """Return the windows of triads that are farthest off, the farthest first."""
+    sizes = [
+        (float(np.abs(one.z).max()), one.window)
+        for one in windows
+        if one.sensor in kinds and one.z is not None
+    ]
+    return tuple(number for _, number in sorted(sizes, reverse=True)[:WORST])
+
+
+def _units(triads: Sequence[_Triad], output: Output) -> tuple[str, float]:
+    """Return the unit of an output, and its size: of counts over the input's."""
+    name = output.name
+    for one in triads:
+        if one.sensor.kind == name.owner and one.has_counts:
+            like = LIKE[name.owner]
+            if name.quantity == SCALE_FACTOR:
+                return f"{COUNTS}/({like})", 1.0 / size_of(like)
+    return output.unit, output.si_per_unit
+
+
+def _factors(triads: Sequence[_Triad], made: _Made) -> Array:
+    """Return what the law's errors are times of those of the values: K of counts."""
+    found = np.ones(len(made.outputs))
+    for row, output in enumerate(made.outputs):
+        if output.name.quantity != SCALE_FACTOR:
+            continue
+        for one in triads:
+            if one.sensor.kind == output.name.owner:
+                axis = "xyz".index(output.name.axis)
+                found[row] = abs(one.scale_factor[axis])
+    return found
+
+
+def _printed_covariance(triads: Sequence[_Triad], made: _Made) -> Array:
+    """Return the covariance of the values, in their units."""
+    sizes = np.array([_units(triads, one)[1] for one in made.outputs])
+    change = _factors(triads, made) / sizes
+    return np.asarray(made.covariance * np.outer(change, change))
+
+
+def _outputs(
+    triads: Sequence[_Triad], made: _Made, given: GivenOfRun
+) -> Iterator[CalibratedOutput]:
+    """Yield the values, each with how sure it is and what was known before."""
+    u = np.sqrt(np.diag(made.covariance)) * _factors(triads, made)
+    k = _coverage_factors(made.degrees_of_freedom, given.coverage)
+    limits = {}
+    if given.requirement is not None:
+        limits = {one.output: one.limit for one in given.requirement.limits}
+    for row, output in enumerate(made.outputs):
+        unit, size = _units(triads, output)
+        prior, nominal = float(made.prior[row]), float(made.nominal[row])
+        is_known = np.isfinite(prior) and np.isfinite(nominal) and prior > 0.0
+        off = made.value[row] - nominal
+        yield CalibratedOutput(
+            sensor=output.name.owner,
+            parameter=output.name.quantity,
+            axis=output.name.axis,
+            unit=unit,
+            si_per_unit=size,
+            value=float(made.value[row]),
+            standard_uncertainty=float(u[row]),
+            coverage_factor=float(k[row]),
+            degrees_of_freedom=float(made.degrees_of_freedom[row]),
+            prior=prior if is_known else None,
+            prior_z=float(off / hypot(prior, u[row])) if is_known else None,
+            limit=limits.get(output.name) if unit == output.unit else None,
+        )
+
+
+def _coverage_factors(degrees_of_freedom: Array, coverage: float) -> Array:
+    """Return k of the t distribution, for the integer below: JCGM 100, G.4."""
+    from scipy.special import ndtri, stdtrit
+
+    p = (1.0 + coverage) / 2.0
+    nu = np.floor(np.where(np.isinf(degrees_of_freedom), 1.0, degrees_of_freedom))
+    return np.asarray(
+        np.where(
+            np.isinf(degrees_of_freedom), ndtri(p), stdtrit(np.maximum(nu, 1.0), p)
+        )
+    )
+
+
+def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
+    """Return S, its inverse and its parts, with what these are not known to."""
+    kind = triad.sensor.kind
+    like = LIKE[kind]
+    size = size_of(like)
+    unit = f"{COUNTS}/({like})" if triad.has_counts else "1"
+    of_reading = size if triad.has_counts else 1.0
+    K, M = triad.scale_factor, np.eye(3) + tilt_matrix(triad.found.mounting_angle)
+    S = K[:, None] * M * of_reading
+    bias_unit = COUNTS if triad.has_counts else like
+    bias = K * triad.bias / (1.0 if triad.has_counts else size)
+    rows = {one.name: k for k, one in enumerate(made.outputs)}
+    u_S, u_b = np.zeros((3, 3)), np.zeros(3)
+    C = made.covariance
+
+    def covariance(a: Name, b: Name) -> float:
+        return float(C[rows[a], rows[b]]) if a in rows and b in rows else 0.0
+
+    for i, axis in enumerate(AXES):
+        k_ = Name(SCALE_FACTOR, owner=kind, axis=axis)
+        b_ = Name("bias", owner=kind, axis=axis)
+        u_S[i, i] = sqrt(covariance(k_, k_))
+        own = triad.bias[i]
+        square = (
+            own**2 * covariance(k_, k_)
+            + 2.0 * own * covariance(k_, b_)
+            + covariance(b_, b_)
+        )
+        u_b[i] = sqrt(max(square, 0.0))
+    for angle, i, j, sign in zip(ANGLES, ROW, COLUMN, SIGN, strict=True):
+        a_ = Name("mounting_angle", owner=kind, axis=angle)
+        k_ = Name(SCALE_FACTOR, owner=kind, axis=AXES[i])
+        part = M[i, j]
+        square = (
+            covariance(a_, a_)
+            + 2.0 * sign * part * covariance(a_, k_)
+            + part**2 * covariance(k_, k_)
+        )
+        u_S[i, j] = sqrt(max(square, 0.0))
+    q, r = np.linalg.qr(S.T)
+    signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)
+    scale = np.abs(K)
+    return CompensationMatrix(
+        sensor=kind,
+        unit=unit,
+        sensor_from_body=S,
+        body_from_sensor=np.linalg.inv(S),
+        bias=bias,
+        bias_unit=bias_unit,
+        standard_uncertainty=u_S * scale[:, None] * of_reading,
+        bias_standard_uncertainty=u_b
+        * scale
+        / (1.0 if triad.has_counts else size),
+        triangle=(r.T * signs),
+        rotation=(q * signs).T,
+    )
+
+
+def _files(
+    read: RecordedWindows,
+    recordings: Sequence[Recording],
+    how: Procedure,
+    given: GivenOfRun,
+) -> Iterator[InputFile]:
+    """Yield the files that it rests on."""
+    every = [
+        *((one.origin.file, one.origin.sha256) for one in recordings if one.origin),
+        *read.sha256,
+    ]
+    every = [*dict.fromkeys(every)]
+    for number, (name, digest) in enumerate(every, start=1):
+        role = f"recording {number}" if len(every) > 1 else "recording"
+        yield InputFile(role=role, name=name, sha256=digest)
+    there = () if given.unit is None else (given.unit,)
+    yield from input_files(there, procedure=how, requirement=given.requirement)
+
+
+def _warnings(
+    read: RecordedWindows,
+    how: Procedure,
+    there: Procedure,
+    triads: Sequence[_Triad],
+    runs: Mapping[str, TriadRun | None],
+    given: GivenOfRun,
+) -> Iterator[str]:
+    """Yield what has to be said of a run besides."""
+    if given.unit is None:
+        yield sentence("calibrations.no_device")
+    if not how.station and given.unit is not None:
+        yield sentence("calibrations.no_station")
+    if there.formulas != how.formulas:
+        yield sentence("calibrations.other_times")
+    for one in triads:
+        lacks = one.sensor.expected_missing
+        if lacks and given.unit is not None:
+            yield sentence("calibrations.lacks", names=lacks)
+        if one.has_counts:
+            yield sentence("calibrations.counts", sensor=one.sensor.kind)
+    if read.means.keys() - {one.sensor.kind for one in triads}:
+        kinds = sorted(read.means.keys() - {one.sensor.kind for one in triads})
+        yield sentence("calibrations.not_calibrated", sensors=kinds)
+    if any(run is None for run in runs.values()):
+        yield sentence("calibrations.by_norm")
+    if read.passed_over:
+        yield sentence("calibrations.passed_over", spans=read.passed_over)

@@ -1,0 +1,306 @@
+"""What a recorded calibration says: values, how sure they are, whether it was sound."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from budget.documents import Documented, written
+
+if TYPE_CHECKING:
+    from budget.arrays import Array
+    from budget.results import InputFile
+
+
+@written(
+    "calibrated_output",
+    """
+    sensor: 'gyro', 'accelerometer' or, of both together, 'imu'
+    parameter: 'scale_factor', 'mounting_angle', 'bias', or what is derived of them
+    axis
+    unit: of a scale factor in counts 'counts/(deg/s)' and the like
+    value / unit [unit]: of a scale factor the relative deviation from the nominal one
+    standard_uncertainty / unit [unit]: against the values during the test
+    coverage_factor [1]
+    degrees_of_freedom or null [1]: null where infinite
+    interval / unit [unit]: value -+ k u
+    prior / unit [unit]: standard uncertainty before, by the data sheet; null where it
+      gives none
+    prior_z [1]: value less the nominal one, over both standard uncertainties; likewise
+    remaining [1]: standard uncertainty over the one before; likewise
+    limit? / unit [unit]: on the absolute error
+    utilisation? [1]: k u over the limit
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class CalibratedOutput(Documented):
+    """One parameter of a unit, as it was calibrated."""
+
+    sensor: str
+    parameter: str
+    axis: str
+    unit: str
+    si_per_unit: float
+    value: float
+    standard_uncertainty: float
+    coverage_factor: float
+    degrees_of_freedom: float
+    prior: float | None
+    prior_z: float | None
+    limit: float | None = None
+
+    @property
+    def expanded(self) -> float:
+        """U = k u [SI]."""
+        return self.coverage_factor * self.standard_uncertainty
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Value -+ k u [SI]."""
+        return self.value - self.expanded, self.value + self.expanded
+
+    @property
+    def remaining(self) -> float | None:
+        """Standard uncertainty over the one before."""
+        if not self.prior:
+            return None
+        return self.standard_uncertainty / self.prior
+
+    @property
+    def utilisation(self) -> float | None:
+        """Of the limit."""
+        return None if self.limit is None else self.expanded / self.limit
+
+
+@written(
+    "compensation_matrix",
+    """
+    sensor
+    unit: of a reading over its input, '1' where a nominal scale factor is known
+    sensor_from_body (list[list[float]]) [unit]: S of reading = S input + bias, rows
+      sensor axes
+    body_from_sensor (list[list[float]]) [1/unit]: its inverse, input = S^-1 (reading -
+      bias)
+    bias (list[float]) [bias_unit]: of a reading
+    bias_unit
+    standard_uncertainty (list[list[float]]) [unit]: of the elements of S
+    bias_standard_uncertainty (list[float]) [bias_unit]
+    triangle (list[list[float]]) [unit]: L of S = L R, lower triangular: scale factors
+      and non-orthogonality
+    rotation (list[list[float]]) [1]: R, orthogonal: how the triad stands in the body
+    """,
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CompensationMatrix(Documented):
+    """Readings as a matrix times the input, and a bias; in printed units."""
+
+    sensor: str
+    unit: str
+    sensor_from_body: Array
+    body_from_sensor: Array
+    bias: Array
+    bias_unit: str
+    standard_uncertainty: Array
+    bias_standard_uncertainty: Array
+    triangle: Array
+    rotation: Array
+
+
+@written(
+    "run_window",
+    """
+    window: number of it in the procedure, from 1
+    name
+    sensor
+    start [s]: since the first window began
+    length [s]
+    unit
+    mean (list[float]) [unit]: of the readings, by axis
+    residual (list[float]) [residual_unit]: reading over its scale factor less what was
+      found; by the norm of gravity of its length
+    residual_unit
+    z? (list[float]) [1]: residual over its standard uncertainty, where a device says
+      that
+    """,
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunWindow(Documented):
+    """One window of one triad; in printed units."""
+
+    window: int
+    name: str
+    sensor: str
+    start: float
+    length: float
+    unit: str
+    mean: Array
+    residual: Array
+    residual_unit: str
+    z: Array | None
+
+
+@written(
+    "run_chi_square",
+    """
+    sensor
+    value
+    degrees_of_freedom
+    p [1]: probability that a sound run has one as large
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class RunChiSquare(Documented):
+    """A sum of squares against what it should be."""
+
+    sensor: str
+    value: float
+    degrees_of_freedom: int
+    p: float
+
+
+@written(
+    "mistake",
+    """
+    name: 'earth_rate_sign', 'window_face', ...
+    sensor
+    window?: of which, its number in the procedure
+    windows?: that were exchanged
+    face?: that it was at, as 'x up'
+    azimuth? [deg]: that it was at
+    axes?: that were exchanged, or reversed
+    axis?: of a reading that is off
+    factor? [1]: of readings over true ones
+    value?: latitude [deg], gravity [m/s^2], or what a reading is off by [unit of the
+      input]
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class MistakeRow(Documented):
+    """A mistake, and which one."""
+
+    name: str
+    sensor: str
+    window: int | None = None
+    windows: tuple[int, ...] = ()
+    face: str = ""
+    azimuth: float | None = None
+    axes: str = ""
+    axis: str = ""
+    factor: float | None = None
+    value: float | None = None
+
+
+@written(
+    "suspicion",
+    """
+    *mistake as mistake
+    evidence: -2 ln L of a sound run less that with the mistake
+    also: mistakes that it is not told from
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class Suspicion(Documented):
+    """A mistake that a triad's run looks like."""
+
+    mistake: MistakeRow
+    evidence: float
+    also: tuple[MistakeRow, ...] = ()
+
+
+@written(
+    "unseen_mistake",
+    """
+    name
+    sensor
+    probability [1]: that a run with it is found not to be sound, at the nominal values
+    windows: in which it may be missed; empty of one of the whole run
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class UnseenMistake(Documented):
+    """A mistake that this procedure and device may not show."""
+
+    name: str
+    sensor: str
+    probability: float
+    windows: tuple[int, ...] = ()
+
+
+@written(
+    "passed_over",
+    """
+    start [s]
+    end [s]
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class PassedOver(Documented):
+    """A rest that is no window of the procedure, by the recording's clock."""
+
+    start: float
+    end: float
+
+
+@written(
+    "recorded_calibration",
+    """
+    title: name of the unit, else of the run
+    serial: number of the unit; empty where nobody said it
+    date: of the run, as it was given
+    procedure: its name
+    estimator: by which values were found
+    coverage [1]: of the intervals
+    inputs by role as file
+    is_sound or null: whether chi-squares are as they should be; null without a device
+    outputs
+    covariance (list[list[float]]) [units of the outputs]
+    matrix by sensor as compensation_matrix
+    windows
+    chi_square: of what least squares leaves of the readings
+    prior: of the readings against nominal values and tolerances
+    looks_like
+    worst (list[int]): windows that are farthest off, where no known mistake fits
+    unseen: mistakes that this procedure and device may not show
+    passed_over
+    assumptions
+    warnings
+    """,
+    commands="calibrate",
+)
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RecordedCalibration(Documented):
+    """A unit as it was calibrated by a recorded run."""
+
+    title: str
+    serial: str
+    date: str
+    procedure: str
+    estimator: str
+    coverage: float
+    inputs: tuple[InputFile, ...]
+    outputs: tuple[CalibratedOutput, ...]
+    covariance: tuple[tuple[float, ...], ...] = field(repr=False)
+    matrix: tuple[CompensationMatrix, ...]
+    windows: tuple[RunWindow, ...]
+    chi_square: tuple[RunChiSquare, ...]
+    prior: tuple[RunChiSquare, ...]
+    looks_like: tuple[Suspicion, ...]
+    worst: tuple[int, ...]
+    unseen: tuple[UnseenMistake, ...]
+    passed_over: tuple[PassedOver, ...]
+    assumptions: tuple[str, ...]
+    warnings: tuple[str, ...]
+    least_p: float = 0.001
+
+    @property
+    def is_sound(self) -> bool | None:
+        """Whether nothing is less likely than it may be; None where nothing says it."""
+        if not self.chi_square:
+            return None
+        found = (*self.chi_square, *self.prior)
+        return min(one.p for one in found) >= self.least_p
+
+    @property
+    def missed(self) -> tuple[CalibratedOutput, ...]:
+        """Outputs whose uncertainty is over their limit."""
+        return tuple(x for x in self.outputs if (x.utilisation or 0.0) > 1.0)

@@ -1,0 +1,873 @@
+"""A recorded calibration read: its windows, found by rest and turn, and their means.
+
+A table has a row of means for each window of the procedure. In a long recording a rest
+is where the gyro is quiet and reads what it reads at rest; what is between two rests is
+a turn where its angle is that of whole turns. Rests and turns are matched to the
+windows of the procedure in their order.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from math import acos, cos, degrees, inf, log, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.errors import CallError, Issue, SpecError, UnitError
+from budget.inputs.reader import refuse
+from budget.inputs.tree import describe
+from budget.journal import note_read
+from budget.model.source import ACCELEROMETER, GYRO, SENSORS
+from budget.names import AXES
+from budget.recordings.columns import CHANNELS, COUNTS, TIME, read_head
+from budget.recordings.log import open_table
+from budget.recordings.tables import ARRAYS, NumberTable
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from budget.arrays import Array
+    from budget.inputs.records import Procedure, Recording
+    from budget.model.windows import Window
+
+WINDOW, DURATION, START, END = "window", "duration", "start", "end"
+MOST_ROWS = 40_000_000  # of a recording that is kept whole
+MOST_BYTES = 16 * 1024 * 1024  # of a table of windows
+LOOK = 0.25  # s over which it is quiet or not, and that ends of rests are trimmed by
+QUIET = 4.0  # times the lower decile of the scatter [1]
+STILL = radians(1.0)  # rate that a rest may be off the others [rad/s]
+SIGMAS = 5.0  # likewise, of the scatter
+LEAST_REST = 1.0  # [s]
+NEAR = radians(25.0)  # of a face
+SAME_TURN = 0.1  # of whole turns [1]
+MOST_JITTER = 1.5  # of a step of stamps over the usual one: more is a gap [1]
+MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
+MOST_ISSUES = 5
+LEAST_SAMPLES = 3  # of a window
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RecordedWindows:
+    """What was recorded of the windows of a procedure.
+
+    Attributes
+    ----------
+    name : str
+    sha256 : tuple of (str, str)
+        Names of its files, and what they hold.
+    windows : tuple of Window
+        Of the procedure, with start and length as they were.
+    means : mapping of str to ndarray, shape (3, n)
+        By triad [SI, or counts]; nan where a window has none.
+    has_counts : mapping of str to bool
+    passed_over : tuple of (float, float)
+        Begins and ends of rests that are no window [s].
+    is_recorded : bool
+        Whether starts are known, of a recording and not of a table of means.
+    """
+
+    name: str
+    sha256: tuple[tuple[str, str], ...]
+    windows: tuple[Window, ...]
+    means: Mapping[str, Array]
+    has_counts: Mapping[str, bool]
+    passed_over: tuple[tuple[float, float], ...] = ()
+    is_recorded: bool = False
+
+
+def read_windows(
+    recordings: Sequence[Recording],
+    windows: Sequence[Window],
+    *,
+    name: str,
+    times: tuple[Path, str] | None = None,
+    knows_attitudes: bool = True,
+) -> RecordedWindows:
+    """Read a run: a table of means, or recordings one after the other.
+
+    Parameters
+    ----------
+    windows : sequence of Window
+        Of the procedure, on one clock.
+    name : str
+        Of the procedure.
+    times : (Path, str), optional
+        Table of when windows begin and end, in the place of rests and turns.
+    knows_attitudes : bool
+        Whether the table's angles are known; else any rest will do.
+
+    Raises
+    ------
+    SpecError
+        What is wrong with a file, each at its line.
+    CallError
+        The windows of the procedure are not in it.
+    """
+    first = recordings[0]
+    paths = [pair for one in recordings for pair in one.files]
+    if len(paths) == 1 and (table := _read_table(*paths[0], first)) is not None:
+        return _of_table(table, windows, name, paths[0])
+    spans: list[_Span] = []
+    tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
+    if times is not None:
+        if len(tracks) > 1:
+            raise CallError(
+                "a table of windows is of one recording, and several are given; join "
+                "them, or leave --windows out"
+            )
+        spans = list(_given_spans(*times, windows))
+    else:
+        found = [segment for track in tracks for segment in _segments(track, windows)]
+        spans = _matched(found, windows, name, knows_attitudes=knows_attitudes)
+    kinds = [kind for kind in SENSORS if any(kind in one.values for one in tracks)]
+    means = {kind: np.full((3, len(windows)), np.nan) for kind in kinds}
+    there = []
+    begin = 0.0
+    for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
+        track = tracks[span.track]
+        for kind in kinds:
+            if kind in track.values:
+                times_, values = track.values[kind]
+                inside = (times_ >= span.start) & (times_ < span.end)
+                if inside.sum() < LEAST_SAMPLES:
+                    raise CallError(
+                        f"{first.name}: window {k + 1} ({window.name}) has "
+                        f"{int(inside.sum())} samples between {span.start:.6g} and "
+                        f"{span.end:.6g} s; give other times"
+                    )
+                means[kind][:, k] = values[:, inside].mean(axis=1)
+        start = span.start - tracks[span.track].begin + tracks[span.track].offset
+        begin = start if k == 0 else begin
+        there.append(replace(window, start=start - begin, length=span.end - span.start))
+    used = [(one.track, one.start, one.end) for one in spans]
+    return RecordedWindows(
+        name=", ".join(one.name for one in recordings),
+        sha256=tuple(pair for one in tracks for pair in one.sha256),
+        windows=tuple(there),
+        means=means,
+        has_counts={
+            kind: any(track.counts.get(kind, False) for track in tracks)
+            for kind in kinds
+        },
+        passed_over=()
+        if times is not None
+        else tuple(
+            (one.start, one.end)
+            for one in found
+            if one.is_rest
+            and not any(
+                track == one.track and start < one.end and end > one.start
+                for track, start, end in used
+            )
+        ),
+        is_recorded=True,
+    )
+
+
+# ---- tables --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Table:
+    """A table with a column of windows."""
+
+    heads: tuple[str, ...]
+    rows: list[tuple[int, list[str]]]  # with their lines
+
+
+def _read_text(path: Path, shown: str) -> str:
+    """Read a small text.
+
+    Raises
+    ------
+    SpecError
+        It cannot be read, or is none.
+    """
+    try:
+        note_read(path)
+        if path.stat().st_size > MOST_BYTES:
+            raise refuse(shown, f"has more than {MOST_BYTES} bytes of windows")
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise refuse(shown, f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise refuse(shown, "is not UTF-8; save the file as UTF-8") from None
+
+
+def _read_table(path: Path, shown: str, recording: Recording) -> _Table | None:
+    """Return a table of windows; None of any other recording."""
+    if path.suffix.lower() in ARRAYS:
+        return None
+    try:
+        with path.open("rb") as stream:
+            head = stream.readline(4096).decode("utf-8-sig", errors="replace")
+    except OSError:
+        return None  # said by who reads it
+    first = head.lstrip("#% ").split(",")[0].strip().strip('"').casefold()
+    if first != WINDOW:
+        return None
+    text = _read_text(path, shown)
+    if text and not text.endswith("\n"):
+        line = text.count("\n") + 1
+        raise _fault(
+            shown,
+            line,
+            1,
+            "the last row has no end of line, so that it may have been cut off; take "
+            "the row out, or end it",
+        )
+    rows = [
+        (number, [cell.strip() for cell in row])
+        for number, row in enumerate(csv.reader(io.StringIO(text)), start=1)
+        if any(cell.strip() for cell in row)
+    ]
+    heads = recording.columns or tuple(rows[0][1])
+    return _Table(heads=tuple(heads), rows=rows[1:])
+
+
+def _fault(shown: str, line: int, column: int, message: str) -> SpecError:
+    """Return the error of one row."""
+    issue = Issue(file=shown, line=line, column=column, field="", message=message)
+    return SpecError((issue,))
+
+
+def _number(shown: str, line: int, place: int, head: str, cell: str) -> float:
+    """Read a cell; nan of an empty one.
+
+    Raises
+    ------
+    SpecError
+        It is no finite number.
+    """
+    if not cell:
+        return np.nan
+    try:
+        value = float(cell) if "_" not in cell else np.nan
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        hint = ", or nothing where a window is not used"
+        raise _fault(
+            shown,
+            line,
+            place + 1,
+            f"{head}: found {describe(cell)}, expected a finite number{hint}",
+        )
+    return value
+
+
+def _columns(shown: str, table: _Table, wanted: Mapping[str, str]) -> dict[str, _Head]:
+    """Return what the columns are, by name; `wanted` are names with their units.
+
+    Raises
+    ------
+    SpecError
+        A head is none.
+    """
+    found: dict[str, _Head] = {}
+    issues = []
+    for place, head in enumerate(table.heads):
+        name = head.split("[")[0].strip().casefold()
+        try:
+            if name in wanted and wanted[name]:
+                # Read as a time is, whatever it is called.
+                column = read_head(head.replace(head.split("[")[0].strip(), TIME, 1))
+            elif name in wanted:
+                column = replace(read_head("_"), head=head)
+            else:
+                column = read_head(head)
+                name = column.name
+        except UnitError as error:
+            issues.append(
+                Issue(
+                    file=shown,
+                    line=1,
+                    column=place + 1,
+                    field="",
+                    message=f"head {place + 1}: {error}",
+                )
+            )
+            continue
+        if name in found:
+            raise refuse(shown, f"names two columns {name!r}, expected one")
+        if name:
+            found[name] = _Head(
+                place=place,
+                head=head,
+                size=column.sign * (column.size or 1.0),
+                has_counts=column.unit == COUNTS,
+            )
+    if issues:
+        raise SpecError(tuple(issues[:MOST_ISSUES]))
+    return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Head:
+    """Where a column stands, and its unit [SI]."""
+
+    place: int
+    head: str
+    size: float
+    has_counts: bool
+
+
+def _of_table(
+    table: _Table,
+    windows: Sequence[Window],
+    name: str,
+    file: tuple[Path, str],
+) -> RecordedWindows:
+    """Return the means of a table, a row for each window of the procedure.
+
+    Raises
+    ------
+    SpecError
+        Rows that are none, or more or fewer than windows.
+    """
+    path, shown = file
+    columns = _columns(shown, table, {WINDOW: "", DURATION: "s"})
+    own = [one for one in columns if one in CHANNELS]
+    if not own:
+        raise refuse(
+            shown,
+            "names no column of a gyro or an accelerometer, expected heads as "
+            "window,duration [s],gyro_x [deg/s],...,accelerometer_z [m/s^2]",
+        )
+    if len(table.rows) != len(windows):
+        listed = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
+        raise refuse(
+            shown,
+            f"has {len(table.rows)} rows, and {name} has {len(windows)} windows, "
+            f"expected a row for each, in their order: {listed}",
+        )
+    values: dict[str, list[float]] = {one: [] for one in (*own, DURATION)}
+    for line, cells in table.rows:
+        if len(cells) != len(table.heads):
+            hint = "; a decimal comma is a second field: write 0.5, not 0,5"
+            raise _fault(
+                shown,
+                line,
+                1,
+                f"has {len(cells)} fields, expected {len(table.heads)}"
+                f"{hint if len(cells) > len(table.heads) else ''}",
+            )
+        for key, into in values.items():
+            at = columns.get(key)
+            cell = "" if at is None else cells[at.place]
+            read = (
+                np.nan
+                if at is None
+                else _number(shown, line, at.place, at.head, cell) * at.size
+            )
+            if key == DURATION and read <= 0.0:
+                raise _fault(
+                    shown,
+                    line,
+                    at.place + 1 if at else 1,
+                    f"found {describe(cell)}, expected a duration above 0 s",
+                )
+            into.append(read)
+    there, delay = [], 0.0
+    for window, length in zip(windows, values[DURATION], strict=True):
+        took = window.length if np.isnan(length) else length
+        there.append(replace(window, start=window.start + delay, length=took))
+        delay += took - window.length
+    kinds = [kind for kind in SENSORS if any(one.startswith(kind) for one in own)]
+    nothing = [np.nan] * len(windows)
+    return RecordedWindows(
+        name=path.name,
+        sha256=((path.name, sha256(path.read_bytes()).hexdigest()),),
+        windows=tuple(there),
+        means={
+            kind: np.array([values.get(f"{kind}_{axis}", nothing) for axis in AXES])
+            for kind in kinds
+        },
+        has_counts={
+            kind: any(
+                columns[one].has_counts for one in own if one.startswith(kind)
+            )
+            for kind in kinds
+        },
+    )
+
+
+def _given_spans(
+    path: Path, shown: str, windows: Sequence[Window]
+) -> Iterator[_Span]:
+    """Yield when each window begins and ends, of a table.
+
+    Raises
+    ------
+    SpecError
+        Rows that are none, or more or fewer than windows.
+    """
+    text = _read_text(path, shown)
+    rows = [
+        (number, [cell.strip() for cell in row])
+        for number, row in enumerate(csv.reader(io.StringIO(text)), start=1)
+        if any(cell.strip() for cell in row)
+    ]
+    if not rows:
+        raise refuse(shown, "is empty, expected heads window,start [s],end [s]")
+    table = _Table(heads=tuple(rows[0][1]), rows=rows[1:])
+    columns = _columns(shown, table, {WINDOW: "", START: "s", END: "s"})
+    if not {START, END} <= columns.keys():
+        raise refuse(shown, "expected heads window,start [s],end [s]")
+    if len(table.rows) != len(windows):
+        raise refuse(
+            shown,
+            f"has {len(table.rows)} rows, expected one for each of {len(windows)} "
+            "windows, in their order",
+        )
+    for line, cells in table.rows:
+        if len(cells) != len(table.heads):
+            message = f"has {len(cells)} fields, expected {len(table.heads)}"
+            raise _fault(shown, line, 1, message)
+        start, end = (
+            _number(shown, line, at.place, at.head, cells[at.place]) * at.size
+            for at in (columns[START], columns[END])
+        )
+        if not start < end:
+            raise _fault(shown, line, 1, "ends before it begins")
+        yield _Span(track=0, start=start, end=end)
+
+
+# ---- recordings ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Track:
+    """A recording kept whole: times (n,) and readings (3, n) of each triad."""
+
+    number: int
+    values: Mapping[str, tuple[Array, Array]]
+    counts: Mapping[str, bool]
+    rate: float
+    sha256: tuple[tuple[str, str], ...]
+    begin: float
+    offset: float
+
+
+def _read_track(recording: Recording, number: int) -> _Track:
+    """Read a recording whole.
+
+    Raises
+    ------
+    SpecError, CallError
+        As budget.recordings.log has it.
+    """
+    values: dict[str, tuple[Array, Array]] = {}
+    counts: dict[str, bool] = {}
+    files, rates = [], []
+    for path, shown in recording.files:
+        table = NumberTable(path, shown)
+        opened = open_table(table, recording)
+        rows = [piece.values for piece in opened.pieces()]
+        if sum(map(len, rows)) > MOST_ROWS:
+            raise refuse(shown, f"has more than {MOST_ROWS:.0e} rows; cut it to the run")
+        every = np.concatenate(rows)
+        files.append((path.name, table.sha256))
+        read = opened.read
+        if TIME in read:
+            place, column = read[TIME]
+            times = every[:, place] * (column.size or 1.0)
+            steps = np.diff(times)
+            if len(times) < LEAST_SAMPLES or not (steps > 0.0).all():
+                back = int(np.argmin(steps > 0.0)) if len(steps) else 0
+                raise refuse(
+                    shown,
+                    f"time does not go on from row {back + 1} to the next; leave out "
+                    "what was written twice, or give --rate and skip the column",
+                )
+            rate = 1.0 / float(np.median(steps))
+        elif recording.rate:
+            rate = recording.rate
+            times = np.arange(len(every)) / rate
+        else:
+            raise CallError(
+                f"{recording.name}: nothing says how fast it was sampled; give "
+                "--rate, as --rate 100, or a column time [s]"
+            )
+        rates.append(rate)
+        for kind in SENSORS:
+            own = [read.get(f"{kind}_{axis}") for axis in AXES]
+            if not any(own):
+                continue
+            if kind in values:
+                raise refuse(shown, f"has the {kind} once more; name one of them")
+            steps_ = rate if recording.increments else 1.0
+            values[kind] = (
+                times,
+                np.array(
+                    [
+                        np.full(len(every), np.nan)
+                        if one is None
+                        else every[:, one[0]]
+                        * (one[1].sign * (one[1].size or 1.0) * steps_)
+                        for one in own
+                    ]
+                ),
+            )
+            counts[kind] = any(one is not None and one[1].size is None for one in own)
+    begin = min(float(times[0]) for times, _ in values.values())
+    return _Track(
+        number=number,
+        values=values,
+        counts=counts,
+        rate=min(rates),
+        sha256=tuple(files),
+        begin=begin,
+        offset=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Span:
+    """When one window was."""
+
+    track: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Segment:
+    """A rest, or what is between two of them."""
+
+    track: int
+    start: float
+    end: float
+    is_rest: bool
+    force: Array | None = None  # its direction in body axes, shape (3,)
+    angle: float = 0.0  # that it turned by [rad, or counts s]
+    is_back: bool = False  # whether it stands after it as before
+    has_counts: bool = False
+
+    @property
+    def length(self) -> float:
+        """How long it is [s]."""
+        return self.end - self.start
+
+    @property
+    def said(self) -> str:
+        """What it is, in words."""
+        when = f"{self.start:.2f} to {self.end:.2f} s"
+        if self.is_rest:
+            if self.force is None:
+                return f"rest {when}"
+            axis = int(np.abs(self.force).argmax())
+            up = "up" if self.force[axis] > 0.0 else "down"
+            return f"rest {when}, {AXES[axis]} {up}"
+        if self.has_counts:
+            return f"turn {when}"
+        return f"turn {when}, {degrees(self.angle):.1f} deg"
+
+
+def _segments(track: _Track, windows: Sequence[Window]) -> list[_Segment]:
+    """Find rests and what is between them, in the order of time."""
+    kind = GYRO if GYRO in track.values else ACCELEROMETER
+    times, values = track.values[kind]
+    values = values[np.isfinite(values).all(axis=1)]
+    still = _rest_of(track, kind, times, values, windows)
+    starts, ends = _runs(still)
+    gaps = np.flatnonzero(np.diff(times) > MOST_JITTER / track.rate)
+    cut: list[tuple[int, int]] = []
+    for start, end in zip(starts, ends, strict=True):
+        inside = [int(g) + 1 for g in gaps if start <= g < end - 1]
+        edges = [start, *inside, end]
+        cut += list(zip(edges[:-1], edges[1:], strict=True))
+    rests = [
+        (int(a), int(b))
+        for a, b in cut
+        if times[b - 1] - times[a] >= LEAST_REST - 1.0 / track.rate
+    ]
+    forces = _forces(track, [(times[a], times[b - 1]) for a, b in rests])
+    found: list[_Segment] = []
+    level = (
+        np.mean([values[:, a:b].mean(axis=1) for a, b in rests], axis=0)
+        if rests and kind == GYRO
+        else None
+    )
+    for k, (a, b) in enumerate(rests):
+        if k and level is not None:
+            last = rests[k - 1][1]
+            found.append(
+                _between(track, times, values, level, (last, a), forces[k - 1 : k + 1])
+            )
+        found.append(
+            _Segment(
+                track=track.number,
+                start=float(times[a]) + LOOK,
+                end=float(times[b - 1]) + 1.0 / track.rate - LOOK,
+                is_rest=True,
+                force=forces[k],
+            )
+        )
+    return [one for one in found if one.length > 0.0]
+
+
+def _rest_of(
+    track: _Track,
+    kind: str,
+    times: Array,
+    values: Array,
+    windows: Sequence[Window],
+) -> NDArray[np.bool_]:
+    """Say of each sample whether the unit rests.
+
+    Raises
+    ------
+    CallError
+        The recording is too short to say.
+    """
+    width = max(LEAST_SAMPLES, round(LOOK * track.rate)) | 1
+    if len(times) <= 4 * width:
+        raise CallError(
+            f"the recording has {len(times)} samples, too few to find rests in; "
+            "give one of the whole run"
+        )
+    middle = np.median(values, axis=1)[:, None]
+    mean = _rolling(values - middle, width)
+    square = _rolling((values - middle) ** 2, width)
+    scatter = np.sqrt(np.maximum(square - mean**2, 0.0).sum(axis=0))
+    decile = float(np.quantile(scatter, 0.1))
+    quiet = scatter <= QUIET * decile
+    if kind != GYRO:
+        return np.asarray(quiet)
+    level = np.median(mean[:, quiet], axis=1)[:, None]
+    off = np.abs(mean - level).max(axis=0)
+    allowed = SIGMAS * decile
+    if not track.counts[GYRO]:
+        slowest = min(
+            (float(np.linalg.norm(one.rate)) for one in windows if one.sense),
+            default=inf,
+        )
+        allowed = max(min(STILL, slowest / 2.0), SIGMAS * decile / np.sqrt(width))
+    return np.asarray(quiet & (off <= allowed))
+
+
+def _rolling(values: Array, width: int) -> Array:
+    """Return means over `width` samples about each, fewer at the ends, (3, n)."""
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(uniform_filter1d(values, width, axis=1, mode="nearest"))
+
+
+def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return begins and ends of runs of what is true."""
+    edges = np.diff(np.concatenate([[0], flags.astype(np.int8), [0]]))
+    return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+
+
+def _forces(
+    track: _Track, spans: Sequence[tuple[float, float]]
+) -> list[Array | None]:
+    """Return the direction of the specific force in each rest; None if unknown.
+
+    Of counts, whose zero is not known, from the middle between the largest and the
+    smallest rest of each axis, over half the range.
+    """
+    if ACCELEROMETER not in track.values:
+        return [None] * len(spans)
+    times, values = track.values[ACCELEROMETER]
+    means = []
+    for start, end in spans:
+        inside = (times >= start) & (times <= end)
+        means.append(
+            values[:, inside].mean(axis=1) if inside.any() else np.full(3, np.nan)
+        )
+    every = np.array(means).reshape(-1, 3)
+    if track.counts[ACCELEROMETER] and len(every):
+        low, high = np.nanmin(every, axis=0), np.nanmax(every, axis=0)
+        size = np.where(high > low, (high - low) / 2.0, 1.0)
+        every = (every - (high + low) / 2.0) / size
+    found: list[Array | None] = []
+    for one in every:
+        size = float(np.linalg.norm(one))
+        found.append(one / size if np.isfinite(size) and size > 0.0 else None)
+    return found
+
+
+def _between(
+    track: _Track,
+    times: Array,
+    values: Array,
+    level: Array,
+    places: tuple[int, int],
+    forces: Sequence[Array | None],
+) -> _Segment:
+    """Return what is between two rests, from where it begins to move."""
+    first, last = places
+    pad = max(1, round(LOOK * track.rate))
+    a, b = max(first - pad, 0), min(last + pad, len(times))
+    moved = values[:, a:b] - level[:, None]
+    size = np.abs(moved).max(axis=0)
+    edge = MOVING * float(size.max(initial=0.0))
+    noise = SIGMAS * float(np.std(moved[:, :pad], axis=1).max()) if b > a else 0.0
+    moving = np.flatnonzero(size > max(edge, noise))
+    if moving.size:
+        a, b = a + int(moving[0]), a + int(moving[-1]) + 1
+    steps = np.diff(times[a : b + 1]) if b < len(times) else np.diff(times[a:b])
+    own = values[:, a : a + len(steps)] - level[:, None]
+    angle = np.abs((own * steps).sum(axis=1)).max() if len(steps) else 0.0
+    before, after = forces
+    is_back = (
+        before is None or after is None or float(before @ after) > cos(NEAR)
+    )
+    return _Segment(
+        track=track.number,
+        start=float(times[a]),
+        end=float(times[b - 1]) + 1.0 / track.rate,
+        is_rest=False,
+        angle=float(angle),
+        is_back=is_back,
+        has_counts=track.counts[GYRO],
+    )
+
+
+def _matched(
+    found: Sequence[_Segment],
+    windows: Sequence[Window],
+    name: str,
+    *,
+    knows_attitudes: bool,
+) -> list[_Span]:
+    """Return when each window was, matched in order.
+
+    Where rests are at faces that are not the procedure's, and there are just as many
+    as it has, they are taken in order: what is wrong the readings will say.
+
+    Raises
+    ------
+    CallError
+        Some window is not there: what is, and what should be.
+    """
+    for is_strict in (knows_attitudes, False):
+        spans = _match(found, windows, is_strict=is_strict)
+        if spans is not None and (is_strict or not knows_attitudes):
+            return spans
+        if spans is not None and _is_whole(found, spans):
+            return spans
+    wanted = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
+    there = "; ".join(one.said for one in found if one.is_rest or one.is_back)
+    raise CallError(
+        f"the windows of {name} are not all in the recording, in their order.\n"
+        f"wanted: {wanted}\nfound: {there or 'no rest of 1 s or more'}\n"
+        "Record what is missing, give the times of windows (--windows), or the "
+        "procedure that was run"
+    )
+
+
+def _is_whole(found: Sequence[_Segment], spans: Sequence[_Span]) -> bool:
+    """Whether every rest of the recording is in some window, but one at either end."""
+    rests = [one for one in found if one.is_rest]
+    held = [
+        any(
+            s.track == one.track and s.start < one.end and s.end > one.start
+            for s in spans
+        )
+        for one in rests
+    ]
+    return all(held[1:-1])
+
+
+def _match(
+    found: Sequence[_Segment], windows: Sequence[Window], *, is_strict: bool
+) -> list[_Span] | None:
+    """Return the cheapest match in order, of durations; None without any.
+
+    Dwells one after the other at the same angles may be one rest.
+    """
+    n, m = len(windows), len(found)
+    cost = np.full((n + 1, m + 1), inf)
+    cost[0] = 0.0
+    last: dict[tuple[int, int], int] = {}  # windows of the last segment, by state
+    groups = [_alike(windows, j) for j in range(n)]
+    turned = _turn_unit(found, windows)
+    for s in range(1, m + 1):
+        segment = found[s - 1]
+        for j in range(1, n + 1):
+            best, taken = cost[j, s - 1], 0
+            for g in range(1, j + 1):
+                if g > 1 and groups[j - 1] < g:
+                    break
+                price = _price(segment, windows[j - g : j], turned, is_strict=is_strict)
+                if cost[j - g, s - 1] + price < best:
+                    best, taken = cost[j - g, s - 1] + price, g
+            cost[j, s] = best
+            if taken:
+                last[j, s] = taken
+    if not np.isfinite(cost[n, m]):
+        return None
+    spans: list[_Span] = []
+    j, s = n, m
+    while j:
+        taken = last.get((j, s), 0)
+        if taken:
+            spans = [*_split(found[s - 1], windows[j - taken : j]), *spans]
+            j -= taken
+        s -= 1
+    return spans
+
+
+def _alike(windows: Sequence[Window], last: int) -> int:
+    """Return how many dwells up to one stand as it does, without a move."""
+    count = 1
+    while (
+        last - count >= 0
+        and not windows[last].sense
+        and not windows[last - count].sense
+        and windows[last - count].setting == windows[last].setting
+    ):
+        count += 1
+    return count
+
+
+def _turn_unit(found: Sequence[_Segment], windows: Sequence[Window]) -> float:
+    """Return the size of a turn as it is integrated over the true one [1].
+
+    Of counts, whose gain is not known, by the largest of both.
+    """
+    turns = [abs(one.setting.angle) for one in windows if one.sense]
+    seen = [one.angle for one in found if not one.is_rest and one.is_back]
+    if not turns or not seen or not any(one.has_counts for one in found):
+        return 1.0
+    return float(np.median(sorted(seen)[-len(turns) :])) / float(np.median(turns))
+
+
+def _price(
+    segment: _Segment, windows: Sequence[Window], turned: float, *, is_strict: bool
+) -> float:
+    """Return how badly a segment fits windows; infinite where it does not."""
+    window = windows[0]
+    if bool(window.sense) == segment.is_rest:
+        return inf
+    length = sum(one.length for one in windows)
+    price = abs(log(segment.length / length))
+    if window.sense:
+        off = abs(segment.angle / turned / abs(window.setting.angle) - 1.0)
+        return price if off <= SAME_TURN and segment.is_back else inf
+    if is_strict and segment.force is not None:
+        up = window.setting.to_body @ np.array([0.0, 0.0, 1.0])
+        off = acos(float(np.clip(up @ segment.force, -1.0, 1.0)))
+        return price + off if off <= NEAR else inf
+    return price
+
+
+def _split(segment: _Segment, windows: Sequence[Window]) -> Iterator[_Span]:
+    """Yield parts of a segment, as long beside each other as the windows are."""
+    total = sum(one.length for one in windows)
+    begin = segment.start
+    for one in windows:
+        end = begin + segment.length * one.length / total
+        yield _Span(track=segment.track, start=begin, end=end)
+        begin = end
+
