@@ -365,7 +365,11 @@ class TriadRun:
         if sound - least <= TOLD_APART:
             return None
         others = sorted(
-            (one for one in found if one[2] is not best and one[0] - least <= TOLD_APART),
+            (
+                one
+                for one in found
+                if one[2] is not best and one[0] - least <= TOLD_APART
+            ),
             key=lambda one: one[0],
         )
         return LooksLike(
@@ -724,4 +728,3 @@ def _information(
     back = np.linalg.inv(change.reshape(12, 12))
     scaled = back / prior.u[:, None]
     return scaled.T @ scaled, int((~prior.is_known).sum())
-

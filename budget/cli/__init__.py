@@ -18,6 +18,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from budget.cli.allocate import allocate
 from budget.cli.analyze import analyze
+from budget.cli.calibrate import calibrate
 from budget.cli.characterise import characterise
 from budget.cli.check import check, schema, validate
 from budget.cli.compare import compare
@@ -144,6 +145,7 @@ for command in (
         station,
         export,
         characterise,
+        calibrate,
         simulate,
         report,
         compare,

@@ -183,7 +183,10 @@ Grades = Annotated[
         show_default=False,
     ),
 ]
-_PAGES = "mission report compare decide allocate station check diff paper characterise"
+_PAGES = (
+    "mission report compare decide allocate station check diff paper characterise "
+    "calibrate"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,6 +220,7 @@ class OutputFiles:
         at={
             "report": {"needed": True},
             "characterise": {"help": "Device file, .yaml, or page, .html or .pdf."},
+            "calibrate": {"help": "Certificate, .html or .pdf."},
         },
         panel=GOES,
         option="-o",

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from budget.cli import options
 from budget.cli.export import read_rate
 from budget.settings import Asked, Inputs
+
+if TYPE_CHECKING:
+    from budget.recordings.simulated import SimulatedReadings
 
 
 @options.asking("simulate")
@@ -24,11 +27,27 @@ def simulate(
     ],
     *,
     static: Annotated[
-        str,
+        str | None,
         options.judged(
-            metavar="TIME", help="How long it rests, as '2 h'.", show_default=False
+            metavar="TIME",
+            help="How long it rests, as '2 h', in the place of a test.",
+            show_default=False,
         ),
-    ],
+    ] = None,
+    means: Annotated[
+        bool,
+        options.judged(help="A table of the means of windows, and no recording."),
+    ] = False,
+    blunder: Annotated[
+        list[str] | None,
+        options.judged(
+            metavar="NAME[=WHAT]",
+            help="A mistake that is made in the test, as earth_rate_sign, "
+            "latitude='39.9 deg', window_face='7:x up', axes_swapped=xy; may be given "
+            "again.",
+            show_default=False,
+        ),
+    ] = None,
     rate: Annotated[
         float | None,
         options.judged(
@@ -58,17 +77,20 @@ def simulate(
     ] = None,
     out: options.OutputFiles,
 ) -> None:
-    """Write the recording that a device at rest would give.
+    """Write the recording that a device would give, at rest or in a calibration.
 
-    Body axes to east, north and up, from noise and the constants of one turn-on as the
-    device file gives them; temperature stays as it is. The same seed gives the same
-    bytes, another one another unit.
+    With --static body axes to east, north and up, from noise and the constants of one
+    turn-on as the device file gives them; temperature stays as it is. Without it the
+    windows of the procedure with the moves between them, and what station and
+    environment are not known to. The same seed gives the same bytes, another one
+    another unit.
     """
     from budget.cli.output import check_destinations, hand_out
     from budget.cli.streams import talk
     from budget.errors import CallError
     from budget.inputs import load_device
     from budget.recordings.simulated import simulated_recording
+    from budget.recordings.simulated_run import simulated_run
     from budget.report.simulated import simulated_answer, truth_yaml
 
     for path, suffixes in ((output, (".csv",)), (truth, (".yaml", ".yml"))):
@@ -79,13 +101,26 @@ def simulate(
     check_destinations(None, None, *files, inputs=[device, *inputs.files])
     if files.count(options.STDOUT) > 1:
         raise CallError("-o - and --truth - would both write to stdout; name a file")
-    made = simulated_recording(
-        load_device(device, inputs.changes),
-        static=static,
-        rate=rate,
-        inputs=inputs,
-        asked=asked,
-    )
+    if static is not None and (means or blunder):
+        raise CallError(
+            "--means and --blunder are of a calibration, and --static of a unit at "
+            "rest; leave one or the others out"
+        )
+    unit = load_device(device, inputs.changes)
+    made: SimulatedReadings
+    if static is not None:
+        made = simulated_recording(
+            unit, static=static, rate=rate, inputs=inputs, asked=asked
+        )
+    else:
+        made = simulated_run(
+            unit,
+            means=means,
+            rate=rate,
+            blunders=blunder or (),
+            inputs=inputs,
+            asked=asked,
+        )
     for name in made.not_in_it if options.STDOUT in files else ():
         talk(f"warning: {name} is not given: nothing of it is in the recording")
     hand_out(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import hypot, inf, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -265,9 +265,7 @@ def _triads(
         if kind == GYRO and is_beside(procedure):
             continue
         sensor = there.get(kind) or bare_sensor(kind)
-        own = [
-            k for k, one in enumerate(read.windows) if one.use in {kind, "both"}
-        ]
+        own = [k for k, one in enumerate(read.windows) if one.use in {kind, "both"}]
         readings = read.means[kind][:, own]
         if not np.isfinite(readings).all():
             axis, k = np.argwhere(~np.isfinite(readings))[0]
@@ -501,9 +499,7 @@ def _put_together(
         one.sensor.kind: _run(one, there) for one in triads if given.unit is not None
     }
     sound = {kind: run for kind, run in runs.items() if run is not None}
-    looks = [
-        _suspicion(kind, run) for kind, run in sound.items() if not run.is_sound
-    ]
+    looks = [_suspicion(kind, run) for kind, run in sound.items() if not run.is_sound]
     suspicions = tuple(one for one in looks if one is not None)
     windows = tuple(
         row for one in triads for row in _windows(one, read, sound.get(one.sensor.kind))
@@ -584,8 +580,11 @@ def _chi(kind: str, one: ChiSquare) -> RunChiSquare:
 
 
 def mistake_row(kind: str, mistake: Mistake) -> MistakeRow:
-    """Return a mistake as a row."""
-    return MistakeRow(name=mistake.name, sensor=kind, **dict(mistake.what))  # type: ignore[arg-type]
+    """Return a mistake as a row; what a reading is off by in the unit of a bias."""
+    what: dict[str, Any] = dict(mistake.what)
+    if mistake.added is not None:
+        what["value"] /= BIAS_UNITS[kind][1]
+    return MistakeRow(name=mistake.name, sensor=kind, **what)
 
 
 def _suspicion(kind: str, run: TriadRun) -> Suspicion | None:
@@ -796,9 +795,7 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
         bias=bias,
         bias_unit=bias_unit,
         standard_uncertainty=u_S * scale[:, None] * of_reading,
-        bias_standard_uncertainty=u_b
-        * scale
-        / (1.0 if triad.has_counts else size),
+        bias_standard_uncertainty=u_b * scale / (1.0 if triad.has_counts else size),
         triangle=(r.T * signs),
         rotation=(q * signs).T,
     )

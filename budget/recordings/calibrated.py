@@ -170,8 +170,7 @@ class RunChiSquare(Documented):
     axes?: that were exchanged, or reversed
     axis?: of a reading that is off
     factor? [1]: of readings over true ones
-    value?: latitude [deg], gravity [m/s^2], or what a reading is off by [unit of the
-      input]
+    value?: latitude [deg], gravity [m/s^2], or what a reading is off by [deg/h, ug]
     """,
 )
 @dataclass(frozen=True, kw_only=True)

@@ -391,17 +391,13 @@ def _of_table(
             for kind in kinds
         },
         has_counts={
-            kind: any(
-                columns[one].has_counts for one in own if one.startswith(kind)
-            )
+            kind: any(columns[one].has_counts for one in own if one.startswith(kind))
             for kind in kinds
         },
     )
 
 
-def _given_spans(
-    path: Path, shown: str, windows: Sequence[Window]
-) -> Iterator[_Span]:
+def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[_Span]:
     """Yield when each window begins and ends, of a table.
 
     Raises
@@ -472,7 +468,9 @@ def _read_track(recording: Recording, number: int) -> _Track:
         opened = open_table(table, recording)
         rows = [piece.values for piece in opened.pieces()]
         if sum(map(len, rows)) > MOST_ROWS:
-            raise refuse(shown, f"has more than {MOST_ROWS:.0e} rows; cut it to the run")
+            raise refuse(
+                shown, f"has more than {MOST_ROWS:.0e} rows; cut it to the run"
+            )
         every = np.concatenate(rows)
         files.append((path.name, table.sha256))
         read = opened.read
@@ -667,9 +665,7 @@ def _runs(flags: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]
     return np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
 
 
-def _forces(
-    track: _Track, spans: Sequence[tuple[float, float]]
-) -> list[Array | None]:
+def _forces(track: _Track, spans: Sequence[tuple[float, float]]) -> list[Array | None]:
     """Return the direction of the specific force in each rest; None if unknown.
 
     Of counts, whose zero is not known, from the middle between the largest and the
@@ -719,9 +715,7 @@ def _between(
     own = values[:, a : a + len(steps)] - level[:, None]
     angle = np.abs((own * steps).sum(axis=1)).max() if len(steps) else 0.0
     before, after = forces
-    is_back = (
-        before is None or after is None or float(before @ after) > cos(NEAR)
-    )
+    is_back = before is None or after is None or float(before @ after) > cos(NEAR)
     return _Segment(
         track=track.number,
         start=float(times[a]),
@@ -870,4 +864,3 @@ def _split(segment: _Segment, windows: Sequence[Window]) -> Iterator[_Span]:
         end = begin + segment.length * one.length / total
         yield _Span(track=segment.track, start=begin, end=end)
         begin = end
-

@@ -136,9 +136,7 @@ class SimulatedReadings:
         """Draw what the sources are; of a process its first samples are to come."""
         stream = partial(stream_of, self.seed, 0)
         drawn = [
-            draw_source(
-                sensor.kind, line, self.scheme_of(sensor), self.rate, stream
-            )
+            draw_source(sensor.kind, line, self.scheme_of(sensor), self.rate, stream)
             for line in (*sensor.lines, *sensor.initial)
             if line.u.any() and self.acts(sensor.kind, line)
         ]

@@ -288,9 +288,7 @@ class _DrawnTriad:
     drawn: Sequence[DrawnSource]
     known: Mapping[str, ErrorLine]
 
-    def readings(
-        self, step: Step, at: Samples, tested: object, place: Place
-    ) -> Array:
+    def readings(self, step: Step, at: Samples, tested: object, place: Place) -> Array:
         """Return what it reads in a step, (3, n) [unit of the input]."""
         window = step.window
         turning = window.setting.turning
@@ -337,9 +335,7 @@ def _between(before: Window, after: Window, start: float, pause: float) -> list[
         begin = found[-1].window.end
         length = abs(angle) / MOVE
         found.append(
-            Step(
-                window=Window(name="move", start=begin, length=length, setting=moving)
-            )
+            Step(window=Window(name="move", start=begin, length=length, setting=moving))
         )
         stands = moving.after(angle)
     spent = found[-1].window.end - start
@@ -492,9 +488,7 @@ def _sized(name: str, what: str, place: Place) -> Mistake:
     return Mistake(name=name, place=moved_to(place, value))
 
 
-def _motion(
-    said: str, what: str, unit: Device, windows: Sequence[Window]
-) -> Blunder:
+def _motion(said: str, what: str, unit: Device, windows: Sequence[Window]) -> Blunder:
     """Return a dwell that is read on into the motion after it.
 
     Raises
@@ -529,4 +523,3 @@ def _motion(
         mistakes={one.kind: nothing for one in unit.sensors},
         cut=(place, cut),
     )
-

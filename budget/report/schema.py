@@ -17,6 +17,7 @@ from budget.inputs.schema import DIALECT
 from budget.known import Known
 from budget.names import Name
 from budget.navigation.route import Outline
+from budget.recordings.calibrated import RecordedCalibration
 from budget.recordings.printed import MeasuredLot, MeasuredUnit
 from budget.recordings.records import Characterisation
 from budget.results import Budget
@@ -32,6 +33,7 @@ Node = dict[str, Any]  # a part of a JSON Schema
 STUDIES = (
     *(Budget, Comparison, Decision, Allocation, Qualification, Export),
     Characterisation,
+    RecordedCalibration,
     MeasuredUnit,
     MeasuredLot,
 )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from budget.inputs.tree import block, flow, quoted
 from budget.model.sources import FLICKER, lines_of, source_of
 from budget.names import Name
+from budget.recordings.simulated_run import SimulatedRun
 from budget.report.pages import sections
 from budget.units import size_of
 
@@ -16,18 +17,18 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Sensor
-    from budget.recordings.simulated import SimulatedRecording
+    from budget.recordings.simulated import SimulatedReadings
     from budget.report.blocks import Section
 
 DIGITS = 9
 
 
-def simulated_answer(made: SimulatedRecording, *, name: str) -> tuple[Section, ...]:
+def simulated_answer(made: SimulatedReadings, *, name: str) -> tuple[Section, ...]:
     """Return what stands on a terminal once a recording is written."""
     return sections("simulate", made=made, name=name)
 
 
-def truth_yaml(made: SimulatedRecording) -> str:
+def truth_yaml(made: SimulatedReadings) -> str:
     """Write what was drawn: constants of the turn-on, and the processes as given."""
     place = made.procedure
     entries: list[tuple[str, object]] = [
@@ -36,16 +37,36 @@ def truth_yaml(made: SimulatedRecording) -> str:
         ("seed", str(made.seed)),
         ("rate", quoted(f"{made.rate:.12g} Hz")),
         ("samples", str(made.samples)),
+        *_test(made),
         ("latitude", quoted(f"{degrees(place.latitude):.12g} deg")),
         ("gravity", quoted(f"{place.gravity:.12g} m/s^2")),
         ("assumed", flow([quoted(one) for one in made.device.assumptions])),
-        ("axes", "{x: east, y: north, z: up}"),
         *((one.kind, [*_triad(made, one)]) for one in made.device.sensors),
     ]
     return "\n".join(block(entries)) + "\n"
 
 
-def _triad(made: SimulatedRecording, sensor: Sensor) -> Iterator[tuple[str, object]]:
+def _test(made: SimulatedReadings) -> Iterator[tuple[str, object]]:
+    """Yield how it stood: at rest, or in the windows of a procedure."""
+    if not isinstance(made, SimulatedRun):
+        yield "axes", "{x: east, y: north, z: up}"
+        return
+    yield "procedure", quoted(made.procedure.name)
+    yield "mistakes", flow([quoted(one.said) for one in made.blunders])
+    there = (one for one in made.steps if one.place is not None)
+    yield (
+        "windows",
+        [
+            (
+                str(place),
+                flow({"start": _said(w.start, "s"), "length": _said(w.length, "s")}),
+            )
+            for place, w in enumerate((one.window for one in there), start=1)
+        ],
+    )
+
+
+def _triad(made: SimulatedReadings, sensor: Sensor) -> Iterator[tuple[str, object]]:
     """Yield what is written of one triad."""
     own = made.turn_ons[sensor.kind]
     whole = {"bias": own.bias, "scale_factor": own.k, "mounting_angle": own.angle}

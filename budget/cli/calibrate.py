@@ -1,0 +1,134 @@
+"""`budget calibrate`: a unit calibrated from what was recorded of a procedure."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from budget.cli import options
+from budget.cli.export import read_rate
+from budget.settings import Asked, Inputs
+
+
+@options.asking("calibrate")
+def calibrate(
+    context: typer.Context,
+    runs: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN...",
+            help="Recordings of the run, one after the other, or one table with a row "
+            "of means for each window: window,duration [s],gyro_x [deg/s],...",
+            show_default=False,
+        ),
+    ],
+    *,
+    inputs: Inputs,
+    device: Annotated[
+        str | None,
+        options.judged(
+            metavar="DEVICE",
+            help="What the unit should be: its data sheet, FILE or FILE#VARIANT.",
+            autocompletion=options.complete_device,
+            show_default=False,
+        ),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        options.judged(
+            parser=read_rate,
+            metavar="HZ",
+            help="Sampling rate, where no column of stamps says it.",
+            show_default=False,
+        ),
+    ] = None,
+    columns: Annotated[
+        str | None,
+        options.judged(
+            metavar="HEADS",
+            help="Heads in the place of those of the file, as 'time [s],gyro_x "
+            "[deg/s],_': _ is not read, - before a head reverses it.",
+            show_default=False,
+        ),
+    ] = None,
+    recording: Annotated[
+        Path | None,
+        options.judged(
+            metavar="FILE.yaml",
+            help="Recording file that says what columns, gains and rate are.",
+            show_default=False,
+        ),
+    ] = None,
+    windows: Annotated[
+        Path | None,
+        options.judged(
+            metavar="FILE.csv",
+            help="When each window begins and ends, window,start [s],end [s], in the "
+            "place of rests and turns that are found.",
+            show_default=False,
+        ),
+    ] = None,
+    serial: Annotated[
+        str,
+        options.written(
+            metavar="TEXT", help="Serial number of the unit.", show_default=False
+        ),
+    ] = "",
+    date: Annotated[
+        str,
+        options.written(
+            metavar="YYYY-MM-DD", help="Day of the run.", show_default=False
+        ),
+    ] = "",
+    asked: Asked,
+    out: options.OutputFiles,
+) -> None:
+    """Calibrate a unit from a recorded run, and say whether the run was sound.
+
+    Windows are found by rest and turn and matched to the procedure in their order.
+    Values come with uncertainties; with a device the run is held against its data
+    sheet, and where it is not sound the likeliest known mistake is named. -o
+    certificate.html or .pdf writes a certificate. Exit code 1: the run is not sound,
+    or a limit is missed.
+    """
+    from budget.cli.output import check_destinations, hand_out, pages_asked
+    from budget.inputs import load_device
+    from budget.recordings.calibrate import calibrate as find
+    from budget.report.calibrated import calibrate_answer, calibrate_document
+    from budget.report.document import json_text, table_csv
+    from budget.report.rendering import check_suffixes
+
+    check_suffixes(out.output, out.paper)
+    check_destinations(
+        out.json,
+        out.csv,
+        *out.output,
+        inputs=[*runs, recording, windows, device, *inputs.files],
+    )
+    found = find(
+        *runs,
+        device=None if device is None else load_device(device, inputs.changes),
+        rate=rate,
+        columns=columns,
+        recording=recording,
+        windows=windows,
+        serial=serial,
+        date=date,
+        inputs=inputs,
+        asked=asked,
+    )
+    make = partial(calibrate_document, found)
+    hand_out(
+        [
+            (out.json, lambda: json_text(found.to_dict())),
+            (out.csv, lambda: table_csv("calibrated_output", found.outputs)),
+        ],
+        lambda: calibrate_answer(found),
+        pages=pages_asked(context, out, make),
+        language=out.language,
+    )
+    if found.is_sound is False or found.missed:
+        raise typer.Exit(options.EXIT_NOT_MET)

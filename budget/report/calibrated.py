@@ -1,0 +1,253 @@
+"""A recorded calibration: for a terminal, as a certificate, and as a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, inf, log10
+from typing import TYPE_CHECKING
+
+from budget.names import Name
+from budget.report.document import json_text
+from budget.report.figures.rows import (
+    Chart,
+    ChartMark,
+    ChartPanel,
+    Dot,
+    Head,
+    Stroke,
+    chart_picture,
+    rows_of,
+)
+from budget.report.figures.style import INK, VERMILION, Scale
+from budget.report.pages import document, figure, sections
+from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.tables import DASH, print_given
+from budget.version import __version__
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from types import SimpleNamespace
+
+    from budget.arrays import Array
+    from budget.recordings.calibrated import (
+        CalibratedOutput,
+        RecordedCalibration,
+    )
+    from budget.report.blocks import Document, Section
+
+COMMAND = "budget calibrate"
+FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [1]
+MOST_SAID = 3  # values that are far off, in a headline
+MOST_DIGITS = 12
+PAGE = "figures_calibrated"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedOutput:
+    """One value as people read it, in its unit, to two digits of U."""
+
+    row: CalibratedOutput
+    name: Name
+    axis: str
+    unit: str
+    printed: str
+    exact: float
+    expanded: str
+    nu: str
+
+
+def printed_output(row: CalibratedOutput) -> PrintedOutput:
+    """Print a value and its expanded uncertainty to the same decimals."""
+    value, expanded = row.value / row.si_per_unit, row.expanded / row.si_per_unit
+    decimals = 1 - floor(log10(expanded)) if 0.0 < expanded < inf else 6
+    decimals = min(max(decimals, 0), MOST_DIGITS)
+    nu = row.degrees_of_freedom
+    return PrintedOutput(
+        row=row,
+        name=Name(row.parameter, owner=row.sensor, axis=row.axis),
+        axis=row.axis,
+        unit=row.unit,
+        printed=f"{value:.{decimals}f}",
+        exact=value,
+        expanded=print_given(expanded, digits=2),
+        nu="" if nu == inf else print_given(nu, digits=2),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pull:
+    """What is off by how many standard uncertainties."""
+
+    sensor: str
+    axis: str
+    z: float
+    remaining: float = 0.0
+    name: Name | None = None  # of a value
+    window: int = 0  # of a residual
+
+    @property
+    def size(self) -> float:
+        """Whatever the sign."""
+        return abs(self.z)
+
+
+def calibrate_answer(found: RecordedCalibration) -> tuple[Section, ...]:
+    """Return what stands on a terminal: soundness, values, what is not shown."""
+    return (
+        *sections("calibrate", **_view(found)),
+        *sections("assumptions", found=found),
+    )
+
+
+def _view(found: RecordedCalibration) -> dict[str, object]:
+    """Return what the pages are given."""
+    outputs: dict[str, dict[str, list[PrintedOutput]]] = {}
+    for row in found.outputs:
+        one = printed_output(row)
+        outputs.setdefault(row.sensor, {}).setdefault(row.parameter, []).append(one)
+    far = [
+        one
+        for own in outputs.values()
+        for each in own.values()
+        for one in each
+        if one.row.prior_z is not None and abs(one.row.prior_z) > FAR
+    ]
+    far.sort(key=lambda one: -abs(one.row.prior_z or 0.0))
+    is_told = found.is_sound is False and not found.looks_like
+    return {
+        "found": found,
+        "outputs": {sensor: [*own.values()] for sensor, own in outputs.items()},
+        "off": [_Off.of(one) for one in far[:MOST_SAID]] if is_told else [],
+        "DASH": DASH,
+    }
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Off:
+    """A value that is far off the data sheet."""
+
+    name: Name
+    axis: str
+    prior_z: float
+
+    @classmethod
+    def of(cls, one: PrintedOutput) -> _Off:
+        """Take it from a printed value."""
+        name = Name(one.row.parameter, owner=one.row.sensor)
+        return cls(name=name, axis=one.axis, prior_z=one.row.prior_z or 0.0)
+
+
+def calibrate_document(
+    found: RecordedCalibration, *, date: str, command_line: str = COMMAND
+) -> Document:
+    """Put it into one document: a certificate."""
+    pulls, residuals = pull_chart(found), residual_chart(found)
+    windows: dict[str, list[tuple[object, list[str], str, str]]] = {}
+    for one in found.windows:
+        row = (
+            one,
+            [f"{x:.7g}" for x in one.mean.tolist()],
+            _listed(one.residual, "+.3g"),
+            "" if one.z is None else _listed(one.z, "+.1f"),
+        )
+        windows.setdefault(one.sensor, []).append(row)
+    return document(
+        "calibrate_page",
+        picture=None if pulls is None else chart_picture(pulls),
+        residuals=None if residuals is None else chart_picture(residuals),
+        windows=windows,
+        spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
+        parts={
+            one.sensor: [
+                ("S", one.sensor_from_body, one.unit),
+                ("u(S)", one.standard_uncertainty, one.unit),
+                (
+                    "S\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}",
+                    one.body_from_sensor,
+                    _inverse(one.unit),
+                ),
+                ("L", one.triangle, one.unit),
+                ("R", one.rotation, "1"),
+                ("bias", one.bias[None], one.bias_unit),
+                ("u(bias)", one.bias_standard_uncertainty[None], one.bias_unit),
+            ]
+            for one in found.matrix
+        },
+        assumed=sections("assumptions", found=found),
+        **_view(found),
+    ).whole(
+        "calibrate",
+        provenance_section(
+            found.inputs, None, version=__version__, command_line=command_line
+        ),
+        sign_off_section(),
+        json=json_text(found.to_dict()),
+        date=date,
+    )
+
+
+def _listed(values: Array, form: str) -> str:
+    """Write values beside each other."""
+    return " ".join(f"{x:{form}}" for x in values.tolist())
+
+
+def _inverse(unit: str) -> str:
+    """Return the unit of an inverse."""
+    return "1" if unit == "1" else "/".join(reversed(unit.split("/", 1)))
+
+
+def pull_chart(found: RecordedCalibration) -> Chart | None:
+    """Show how far values are off the data sheet; None without one."""
+    rows = [
+        Pull(
+            sensor=one.sensor,
+            axis=one.axis,
+            z=one.prior_z,
+            remaining=one.remaining or 0.0,
+            name=Name(one.parameter, owner=one.sensor),
+        )
+        for one in found.outputs
+        if one.prior_z is not None
+    ]
+    return _chart("pulls", rows)
+
+
+def residual_chart(found: RecordedCalibration) -> Chart | None:
+    """Show the largest residual of each window; None where nothing says its size."""
+    rows = []
+    for one in found.windows:
+        if one.z is None:
+            continue
+        sizes = [abs(x) for x in one.z.tolist()]
+        k = sizes.index(max(sizes))
+        rows.append(
+            Pull(sensor=one.sensor, axis="xyz"[k], z=float(one.z[k]), window=one.window)
+        )
+    return _chart("residuals", rows)
+
+
+def _chart(name: str, rows: Sequence[Pull]) -> Chart | None:
+    """Draw pulls as rows; None of none."""
+    if not rows:
+        return None
+    said, table = figure(PAGE, name, rows=rows)
+    most = max(FAR + 1.0, *(1.1 * one.size for one in rows))
+    scale = Scale(low=-most, high=most, label=said.axis)
+
+    def marks(_: SimpleNamespace, one: Pull) -> list[ChartMark]:
+        colour = VERMILION if one.size > FAR else INK
+        reach = 1.96 * one.remaining
+        line = [
+            Stroke(start=one.z - reach, end=one.z + reach, colour=colour, width=1.2)
+        ]
+        return [*(line if reach else []), Dot(start=one.z, colour=colour, edge=colour)]
+
+    return Chart(
+        name=name,
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=rows_of(table, marks, list(rows))),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
+        heads=(Head(at=0.0, text=said.nominal),),
+    )
