@@ -24,6 +24,8 @@ DEVICE = shipped("specs") / "devices" / "zhao-2019.yaml"
 
 # Quick calls of every command that prints results, with the code of success.
 LOG = str(TESTS / "data" / "static.csv")
+RUN = str(TESTS / "data" / "run.csv")
+TEST = ("--procedure", "zhao-2019", "--device", "zhao-2019")
 PRINTING = {
     "analyze": ("analyze", "--no-validate", *GRADE),
     "analyze full": ("analyze", "--no-validate", "--full"),
@@ -42,6 +44,7 @@ PRINTING = {
     "devices of a kind": ("devices", "--kind", "gyro", "--grade", "tactical"),
     "devices json": ("devices", "--json", "-"),
     "characterise": ("characterise", LOG),
+    "calibrate": ("calibrate", RUN, *TEST),
     "simulate": ("simulate", "hg4930#A", "--static", "1 min", "-o", "-"),
     "paper": ("paper",),
     "validate": ("validate", DEVICE),
@@ -76,6 +79,10 @@ WRITING = {
     "characterise": (
         *("characterise", LOG, "--json", "a.json", "--csv", "a.csv"),
         *("-o", "a.html", "-o", "a.yaml"),
+    ),
+    "calibrate": (
+        *("calibrate", RUN, *TEST, "--json", "a.json", "--csv", "a.csv"),
+        *("-o", "a.html"),
     ),
     "simulate": (
         *("simulate", "hg4930#A", "--static", "1 min"),

@@ -45,6 +45,10 @@ CALLS = {
         *("characterise", str(TESTS / "data" / "static.csv")),
         *("-o", "a.yaml", "-o", "a.html", "--json", "a.json"),
     ),
+    "calibrate": (
+        *("calibrate", str(TESTS / "data" / "run.csv"), "--procedure", "zhao-2019"),
+        *("--device", "zhao-2019", "-o", "a.html", "--json", "a.json"),
+    ),
     "simulate": (
         *("simulate", "hg4930#A", "--static", "20 s"),
         *("-o", "a.csv", "--truth", "a.yaml"),

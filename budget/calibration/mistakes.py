@@ -36,6 +36,8 @@ from budget.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
+    from numpy.typing import NDArray
+
     from budget.arrays import Array
     from budget.inputs.records import Procedure, Sensor
     from budget.model.place import Place
@@ -51,9 +53,8 @@ LEAST_U = 1e-12  # of what is known exactly, over the same
 EQUAL = 1e-9  # of the largest input, below which inputs are the same [1]
 MOST_WINDOWS = 400  # of which the covariance of all readings is kept
 MOST_PAIRS = 40  # windows of which every two may have been exchanged
+MOST_KEPT = 2000  # geometries, which runs of the same windows share
 STEP = radians(5.0)  # of latitudes that are tried first
-MOST_SHOWN = 0.95  # probability of being seen from which a mistake is [1]
-WORST = 3  # windows that are named where no mistake is known
 HALF, FULL = pi / 2.0, pi
 GRAVITIES = (9.5, 10.1)  # of any place that a run may have been at [m/s^2]
 OF_WINDOW = "window"
@@ -148,6 +149,25 @@ class ChiSquare:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class _Geometry:
+    """What inputs make of readings, over the root of the covariance.
+
+    Attributes
+    ----------
+    nominal : ndarray, shape (3 n,)
+        A p0 [unit of the input].
+    columns : ndarray, shape (3 n, m)
+        A over the root.
+    root : ndarray, shape (m, m), or None
+        Cholesky root of U0^-1 + A' C^-1 A; None: it has none.
+    """
+
+    nominal: Array
+    columns: Array
+    root: Array | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class TriadRun:
     """Readings of one triad in the windows of a test, with what is known of them.
 
@@ -187,6 +207,7 @@ class TriadRun:
     information: Array = field(repr=False)
     wide: int
     orders: tuple[int, ...] = ()
+    _kept: dict[object, _Geometry] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -283,9 +304,16 @@ class TriadRun:
 
     def whitened(self, values: Array) -> Array:
         """Return values, (3 n, ...), over the root of the covariance."""
+        return np.asarray(self.back @ values)
+
+    @cached_property
+    def back(self) -> Array:
+        """Inverse of that root, (3 n, 3 n)."""
         from scipy.linalg import solve_triangular
 
-        return np.asarray(solve_triangular(self.root, values, lower=True))
+        return np.asarray(
+            solve_triangular(self.root, np.eye(len(self.root)), lower=True)
+        )
 
     @cached_property
     def residual(self) -> ChiSquare:
@@ -301,21 +329,8 @@ class TriadRun:
     def prior(self) -> ChiSquare:
         """What the readings are off those of the nominal values."""
         degrees_of_freedom = self.readings.size - self.wide - 3 * len(self.orders)
-        value = self._fit(self.columns, self.readings)[0]
+        value, _ = self._square(Mistake(name=""))
         return ChiSquare(value=value, degrees_of_freedom=degrees_of_freedom)
-
-    def _fit(self, columns: Array, readings: Array) -> tuple[float, float]:
-        """Return r' V^-1 r and ln det V less what all have, of inputs and readings."""
-        r = readings.ravel() - columns[:, : self.nominal.size] @ self.nominal.ravel()
-        B, z = self.whitened(columns), self.whitened(r)
-        inner = self._inner(B)
-        seen = B.T @ z
-        try:
-            root = np.linalg.cholesky(inner)
-        except np.linalg.LinAlgError:
-            return inf, 0.0
-        half = np.linalg.solve(root, seen)
-        return float(z @ z - half @ half), 2.0 * float(np.log(np.diag(root)).sum())
 
     def _inner(self, B: Array) -> Array:
         """Return U0^-1 + A' C^-1 A."""
@@ -324,22 +339,41 @@ class TriadRun:
         inner[:m, :m] += self.information
         return np.asarray(inner)
 
-    def misfit(self, mistake: Mistake) -> float:
-        """Return -2 ln L with a mistake, less what all have in common."""
-        columns = self.columns
-        if mistake.settings or mistake.place is not None:
-            columns = self.columns_of(mistake)
-        square, size = self._fit(columns, mistake.undone(self.readings))
+    def _geometry(self, mistake: Mistake) -> _Geometry:
+        """Return what a mistake makes of the inputs; of few it is kept."""
+        key = mistake.settings, mistake.place
+        found = self._kept.get(key)
+        if found is None:
+            columns = self.columns_of(mistake) if any(key) else self.columns
+            nominal = columns[:, : self.nominal.size] @ self.nominal.ravel()
+            B = self.whitened(columns)
+            try:
+                root = np.asarray(np.linalg.cholesky(self._inner(B)), dtype=float)
+            except np.linalg.LinAlgError:
+                root = None
+            found = _Geometry(nominal=nominal, columns=B, root=root)
+            if len(self._kept) < MOST_KEPT:
+                self._kept[key] = found
+        return found
+
+    def _square(self, mistake: Mistake) -> tuple[float, float]:
+        """Return r' V^-1 r and ln det V, less what all have, with a mistake."""
+        of = self._geometry(mistake)
+        if of.root is None:
+            return inf, 0.0
+        z = self.whitened(mistake.undone(self.readings).ravel() - of.nominal)
+        half = np.linalg.solve(of.root, of.columns.T @ z)
+        size = 2.0 * float(np.log(np.diag(of.root)).sum())
+        return float(z @ z - half @ half), size
+
+    def fit(self, mistake: Mistake) -> tuple[float, float]:
+        """Return -2 ln L with a mistake, less what all have in common, and its p."""
+        square, size = self._square(mistake)
         own = 2.0 * self.readings.size * log(abs(mistake.factor))
         cost = log(self.readings.size) if mistake.is_free else 0.0
-        return square + size + own + cost
-
-    def chi_square(self, mistake: Mistake) -> ChiSquare:
-        """Return what readings are off nominal ones with a mistake."""
-        columns = self.columns_of(mistake)
-        square, _ = self._fit(columns, mistake.undone(self.readings))
-        prior = self.prior.degrees_of_freedom
-        return ChiSquare(value=square, degrees_of_freedom=prior - mistake.is_free)
+        nu = self.prior.degrees_of_freedom - mistake.is_free
+        left = ChiSquare(value=square, degrees_of_freedom=nu)
+        return square + size + own + cost, left.p
 
     # ---- which mistake ---------------------------------------------------------------
 
@@ -350,39 +384,18 @@ class TriadRun:
 
     @cached_property
     def looks_like(self) -> LooksLike | None:
-        """What it looks like where it is not sound; None where no known mistake fits."""
+        """What it looks like if it is not sound; None where no known mistake fits."""
         if self.is_sound:
             return None
-        sound = self.misfit(Mistake(name=""))
-        found = [
-            (self.misfit(one), self.chi_square(one).p, one) for one in self.hypotheses
-        ]
-        found += list(self._added(sound))
-        found = [one for one in found if one[1] > FITS]
-        if not found:
-            return None
-        least, _, best = min(found, key=lambda one: one[0])
-        if sound - least <= TOLD_APART:
-            return None
-        others = sorted(
-            (
-                one
-                for one in found
-                if one[2] is not best and one[0] - least <= TOLD_APART
-            ),
-            key=lambda one: one[0],
-        )
-        return LooksLike(
-            mistake=best,
-            evidence=sound - least,
-            also=tuple(mistake for _, _, mistake in others),
-        )
+        sound, _ = self.fit(Mistake(name=""))
+        found = [(*self.fit(one), one) for one in self.hypotheses]
+        return likeliest(sound, [*found, *self._added(sound)])
 
     def _added(self, sound: float) -> Iterator[tuple[float, float, Mistake]]:
         """Yield -2 ln L and p of one reading that is off, for each of them."""
         B = self.whitened(self.columns)
         r = self.readings.ravel() - self.columns[:, :12] @ self.nominal.ravel()
-        back = self.whitened(np.eye(r.size))  # L^-1
+        back = self.back
         inverse = back.T @ back
         seen = back.T @ B
         inverse -= seen @ np.linalg.solve(self._inner(B), seen.T)
@@ -460,14 +473,14 @@ class TriadRun:
         def least(
             make: Callable[[float], Mistake], tried: Array, low: float, high: float
         ) -> Mistake:
-            sizes = [self.misfit(make(one)) for one in tried.tolist()]
+            sizes = [self.fit(make(one))[0] for one in tried.tolist()]
             k = int(np.argmin(sizes))
             ends = (
                 max(low, tried[max(k - 1, 0)]),
                 min(high, tried[min(k + 1, len(tried) - 1)]),
             )
             best = minimize_scalar(
-                lambda x: self.misfit(make(float(x))),
+                lambda x: self.fit(make(float(x)))[0],
                 bounds=ends,
                 method="bounded",
                 options={"xatol": 1e-9},
@@ -487,9 +500,6 @@ class TriadRun:
         Of one with nominal values, by the noncentral chi-square distribution of the
         readings against the nominal ones, or of what least squares leaves [1].
         """
-        from scipy.special import chndtr
-        from scipy.stats import chi2
-
         p0 = self.nominal.ravel()
         there = self.columns_of(mistake)[:, : p0.size] @ p0
         read = mistake.done(there.reshape(3, -1)).ravel()
@@ -499,16 +509,43 @@ class TriadRun:
         by_prior = float(z @ z - seen @ np.linalg.solve(self._inner(B), seen))
         fitted = np.linalg.lstsq(B, z)[0]
         by_residual = float(((z - B @ fitted) ** 2).sum())
-        sizes = (
-            (by_prior, self.prior.degrees_of_freedom),
-            (by_residual, self.residual.degrees_of_freedom),
+        return max(
+            seen_with(by_prior, self.prior.degrees_of_freedom),
+            seen_with(by_residual, self.residual.degrees_of_freedom),
         )
-        found = [
-            1.0 - float(chndtr(chi2.isf(SUSPECT, nu), nu, size))
-            for size, nu in sizes
-            if nu > 0
-        ]
-        return max(x if np.isfinite(x) else 1.0 for x in found)
+
+
+def likeliest(
+    sound: float, found: Sequence[tuple[float, float, Mistake]]
+) -> LooksLike | None:
+    """Return the mistake of the least -2 ln L with those that it is not told from.
+
+    Of those that fit, each with its -2 ln L and p; None where a sound run, with its
+    own, is not told from it.
+    """
+    fitting = sorted(
+        ((size, mistake) for size, p, mistake in found if p > FITS),
+        key=lambda one: one[0],
+    )
+    if not fitting or sound - fitting[0][0] <= TOLD_APART:
+        return None
+    least, best = fitting[0]
+    also = (mistake for size, mistake in fitting[1:] if size - least <= TOLD_APART)
+    return LooksLike(mistake=best, evidence=sound - least, also=tuple(also))
+
+
+def seen_with(size: float, degrees_of_freedom: int) -> float:
+    """Return the probability that a sum of squares of so much more is suspect [1].
+
+    Of the noncentral chi-square distribution.
+    """
+    from scipy.special import chdtri, chndtr
+
+    if degrees_of_freedom <= 0:
+        return 0.0
+    limit = float(chdtri(degrees_of_freedom, SUSPECT))
+    found = 1.0 - float(chndtr(limit, degrees_of_freedom, size))
+    return found if np.isfinite(found) else 1.0
 
 
 def mistakes_of(
@@ -537,10 +574,6 @@ def mistakes_of(
             what=(("value", STANDARD_GRAVITY),),
             place=replace(place, gravity=STANDARD_GRAVITY, is_normal=False),
         )
-        for factor in (STANDARD_GRAVITY, 1.0 / STANDARD_GRAVITY):
-            yield Mistake(
-                name="gravity_unit", what=(("factor", factor),), factor=factor
-            )
     yield Mistake(
         name="azimuth_sense",
         settings=tuple(
@@ -549,14 +582,7 @@ def mistakes_of(
         ),
     )
     yield from _of_axes()
-    if owner == GYRO:
-        for factor in (pi / 180.0, 180.0 / pi):
-            yield Mistake(
-                name="degrees_radians", what=(("factor", factor),), factor=factor
-            )
-    for factor in (sample_rate, 1.0 / sample_rate):
-        if factor != 1.0:
-            yield Mistake(name="per_sample", what=(("factor", factor),), factor=factor)
+    yield from of_units(owner, sample_rate)
     for k, one in enumerate(windows):
         yield from _of_window(numbers[k], k, one)
     n = len(windows)
@@ -569,6 +595,16 @@ def mistakes_of(
                 what=(("windows", (numbers[i], numbers[j])),),
                 order=tuple(order),
             )
+
+
+def of_units(owner: str, sample_rate: float) -> Iterator[Mistake]:
+    """Yield units of readings that are exchanged: what they are over true ones."""
+    name, size = ("gravity_unit", STANDARD_GRAVITY)
+    if owner == GYRO:
+        name, size = "degrees_radians", 180.0 / pi
+    for what, factor in ((name, size), ("per_sample", sample_rate)):
+        for one in (1.0 / factor, factor) if factor != 1.0 else ():
+            yield Mistake(name=what, what=(("factor", one),), factor=one)
 
 
 def _of_earth(place: Place) -> Iterator[Mistake]:
@@ -711,7 +747,7 @@ class Prior:
     """How well the 12 parameters of a triad are known, shapes (12,) [SI]."""
 
     u: Array
-    is_known: Array
+    is_known: NDArray[np.bool_]
 
 
 def _information(

@@ -21,6 +21,7 @@ from budget.calibration.mistakes import (
     TriadRun,
     prior_of,
 )
+from budget.calibration.mistakes_of_norm import NormRun
 from budget.calibration.problem import BIAS_UNITS, calibration_problem
 from budget.calibration.schemes import (
     as_recorded,
@@ -32,10 +33,10 @@ from budget.calibration.schemes import (
     windows_of,
 )
 from budget.errors import CallError
-from budget.inputs import load_device, load_procedure, load_recording
+from budget.inputs import load_device, load_recording
 from budget.inputs.files import find
-from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.inputs.recording import with_columns
+from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
 from budget.model.norm import NormScheme
@@ -62,6 +63,7 @@ from budget.units import size_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
+
     from budget.arrays import Array
     from budget.calibration.mistakes import ChiSquare, Mistake
     from budget.inputs.files import File
@@ -118,7 +120,7 @@ class _Triad:
 
     @property
     def bias(self) -> Array:
-        """b of K (M u + b), (3,) [unit of the input]."""
+        """B of K (M u + b), (3,) [unit of the input]."""
         return np.asarray(self.found.bias + self.zero / self.scale_factor)
 
     @property
@@ -236,14 +238,17 @@ def calibrate(
         )
     wanted = inputs.required
     given = GivenOfRun(
+        read=read,
+        recordings=recordings,
+        how=how,
+        there=there,
         unit=unit,
         requirement=wanted,
         coverage=asked.settle(wanted).coverage,
         serial=serial,
         date=date,
     )
-    made = _Made.of(triads, there, unit)
-    return _put_together(read, recordings, how, there, triads, made, given)
+    return _put_together(given, triads)
 
 
 def _triads(
@@ -444,9 +449,9 @@ def _by_scatter(
                 if part in names:
                     change[row, names.index(part)] = x
         covariance += change @ of_values @ change.T
-        for row in np.flatnonzero(change.any(axis=1)):
-            axes = {_row_of(names[k]) for k in np.flatnonzero(change[row])}
-            nu[row] = min(nu[row], *(free[axis] for axis in axes))
+        for place in np.flatnonzero(change.any(axis=1)).tolist():
+            axes = {_row_of(names[k]) for k in np.flatnonzero(change[place])}
+            nu[place] = min(nu[place], *(free[axis] for axis in axes))
     return covariance, nu
 
 
@@ -485,20 +490,19 @@ def _derivative(triad: _Triad) -> Array:
 # ---- what is said of it --------------------------------------------------------------
 
 
-def _put_together(
-    read: RecordedWindows,
-    recordings: Sequence[Recording],
-    how: Procedure,
-    there: Procedure,
-    triads: Sequence[_Triad],
-    made: _Made,
-    given: GivenOfRun,
-) -> RecordedCalibration:
-    """Return what has been found, in rows, and what has to be said of it."""
-    runs = {
+def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibration:
+    """Return what has been found, in rows, and what has to be said of it.
+
+    Raises
+    ------
+    CallError
+        Nothing says how sure values are.
+    """
+    read, how, there = given.read, given.how, given.there
+    made = _Made.of(triads, there, given.unit)
+    sound = {
         one.sensor.kind: _run(one, there) for one in triads if given.unit is not None
     }
-    sound = {kind: run for kind, run in runs.items() if run is not None}
     looks = [_suspicion(kind, run) for kind, run in sound.items() if not run.is_sound]
     suspicions = tuple(one for one in looks if one is not None)
     windows = tuple(
@@ -513,7 +517,7 @@ def _put_together(
         procedure=how.name,
         estimator=there.formulas,
         coverage=given.coverage,
-        inputs=tuple(_files(read, recordings, how, given)),
+        inputs=tuple(_files(given)),
         outputs=tuple(_outputs(triads, made, given)),
         covariance=tuple(map(tuple, _printed_covariance(triads, made).tolist())),
         matrix=tuple(_matrix(one, made) for one in triads),
@@ -529,7 +533,7 @@ def _put_together(
             *how.assumptions,
             sentence("calibrations.as_tested"),
         ),
-        warnings=tuple(_warnings(read, how, there, triads, runs, given)),
+        warnings=tuple(_warnings(given, triads)),
         least_p=SUSPECT,
     )
 
@@ -540,6 +544,10 @@ class GivenOfRun:
 
     Attributes
     ----------
+    read : RecordedWindows
+    recordings : sequence of Recording
+    how, there : Procedure
+        As it is given, and as it was recorded.
     unit : Device or None
     requirement : Requirement or None
     coverage : float
@@ -547,6 +555,10 @@ class GivenOfRun:
     serial, date : str
     """
 
+    read: RecordedWindows
+    recordings: Sequence[Recording]
+    how: Procedure
+    there: Procedure
     unit: Device | None
     requirement: Requirement | None
     coverage: float
@@ -554,10 +566,17 @@ class GivenOfRun:
     date: str = ""
 
 
-def _run(triad: _Triad, procedure: Procedure) -> TriadRun | None:
-    """Return what mistakes are looked for in; None of what is known by its norm."""
+def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:
+    """Return what mistakes are looked for in."""
     if isinstance(triad.scheme, NormScheme):
-        return None
+        return NormRun.of(
+            triad.sensor,
+            procedure,
+            triad.scheme,
+            triad.scaled,
+            numbers=triad.numbers,
+            is_scaled=not triad.has_counts,
+        )
     return TriadRun.of(
         triad.sensor,
         procedure,
@@ -587,7 +606,7 @@ def mistake_row(kind: str, mistake: Mistake) -> MistakeRow:
     return MistakeRow(name=mistake.name, sensor=kind, **what)
 
 
-def _suspicion(kind: str, run: TriadRun) -> Suspicion | None:
+def _suspicion(kind: str, run: TriadRun | NormRun) -> Suspicion | None:
     """Return what a triad's run looks like; None where no known mistake fits."""
     found = run.looks_like
     if found is None:
@@ -599,7 +618,7 @@ def _suspicion(kind: str, run: TriadRun) -> Suspicion | None:
     )
 
 
-def unseen_of(kind: str, run: TriadRun) -> Iterator[UnseenMistake]:
+def unseen_of(kind: str, run: TriadRun | NormRun) -> Iterator[UnseenMistake]:
     """Yield the kinds of mistakes that may be missed, with the windows of each."""
     groups: dict[str, list[Mistake]] = {}
     for one in run.known:
@@ -611,14 +630,14 @@ def unseen_of(kind: str, run: TriadRun) -> Iterator[UnseenMistake]:
         if not missed or name == "windows_order":
             continue
         keys = [dict(one.what).get("window") for one in missed]
-        numbers = dict.fromkeys(key for key in keys if key is not None)
+        numbers = dict.fromkeys(key for key in keys if isinstance(key, int))
         yield UnseenMistake(
             name=name, sensor=kind, probability=min(seen), windows=tuple(numbers)
         )
 
 
 def _windows(
-    triad: _Triad, read: RecordedWindows, run: TriadRun | None
+    triad: _Triad, read: RecordedWindows, run: TriadRun | NormRun | None
 ) -> Iterator[RunWindow]:
     """Yield the windows of a triad, with what is left of each."""
     kind = triad.sensor.kind
@@ -643,8 +662,15 @@ def _windows(
         )
 
 
-def _residual_u(triad: _Triad, run: TriadRun) -> Array:
+def _residual_u(triad: _Triad, run: TriadRun | NormRun) -> Array:
     """Return standard uncertainties of residuals, (3, n): of (1 - A W) C (1 - A W)'."""
+    if isinstance(run, NormRun):
+        J, W = run.sensitivity, np.linalg.pinv(run.sensitivity)
+        R = np.eye(len(J)) - J @ W
+        g = run.place.gravity
+        found = np.sqrt(np.maximum(np.diag(R @ run.covariance @ R.T), 0.0)) / (2.0 * g)
+        noise = np.sqrt(np.diag(run.covariance)) / (2.0 * g)
+        return np.asarray(np.where(found > TINY * noise, found, np.inf))[None]
     n = triad.readings.shape[1]
     A = np.column_stack(
         [triad.scheme.turn + triad.scheme.standing, np.ones(n), np.zeros((n, 0))]
@@ -791,7 +817,7 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
         sensor=kind,
         unit=unit,
         sensor_from_body=S,
-        body_from_sensor=np.linalg.inv(S),
+        body_from_sensor=np.asarray(np.linalg.inv(S), dtype=float),
         bias=bias,
         bias_unit=bias_unit,
         standard_uncertainty=u_S * scale[:, None] * of_reading,
@@ -801,50 +827,41 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
     )
 
 
-def _files(
-    read: RecordedWindows,
-    recordings: Sequence[Recording],
-    how: Procedure,
-    given: GivenOfRun,
-) -> Iterator[InputFile]:
+def _files(given: GivenOfRun) -> Iterator[InputFile]:
     """Yield the files that it rests on."""
     every = [
-        *((one.origin.file, one.origin.sha256) for one in recordings if one.origin),
-        *read.sha256,
+        *(
+            (one.origin.file, one.origin.sha256)
+            for one in given.recordings
+            if one.origin
+        ),
+        *given.read.sha256,
     ]
     every = [*dict.fromkeys(every)]
     for number, (name, digest) in enumerate(every, start=1):
         role = f"recording {number}" if len(every) > 1 else "recording"
         yield InputFile(role=role, name=name, sha256=digest)
     there = () if given.unit is None else (given.unit,)
-    yield from input_files(there, procedure=how, requirement=given.requirement)
+    yield from input_files(there, procedure=given.how, requirement=given.requirement)
 
 
-def _warnings(
-    read: RecordedWindows,
-    how: Procedure,
-    there: Procedure,
-    triads: Sequence[_Triad],
-    runs: Mapping[str, TriadRun | None],
-    given: GivenOfRun,
-) -> Iterator[str]:
+def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
     """Yield what has to be said of a run besides."""
-    if given.unit is None:
-        yield sentence("calibrations.no_device")
-    if not how.station and given.unit is not None:
-        yield sentence("calibrations.no_station")
-    if there.formulas != how.formulas:
-        yield sentence("calibrations.other_times")
-    for one in triads:
-        lacks = one.sensor.expected_missing
-        if lacks and given.unit is not None:
-            yield sentence("calibrations.lacks", names=lacks)
-        if one.has_counts:
-            yield sentence("calibrations.counts", sensor=one.sensor.kind)
-    if read.means.keys() - {one.sensor.kind for one in triads}:
-        kinds = sorted(read.means.keys() - {one.sensor.kind for one in triads})
-        yield sentence("calibrations.not_calibrated", sensors=kinds)
-    if any(run is None for run in runs.values()):
-        yield sentence("calibrations.by_norm")
-    if read.passed_over:
-        yield sentence("calibrations.passed_over", spans=read.passed_over)
+    read, how, unit = given.read, given.how, given.unit
+    left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
+    lacks = [x for one in triads for x in one.sensor.expected_missing]
+    is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
+    rows: Sequence[tuple[object, str, Mapping[str, object]]] = (
+        (unit is None, "no_device", {}),
+        (unit is not None and not how.station, "no_station", {}),
+        (unit is not None and lacks, "lacks", {"names": lacks}),
+        (given.there.formulas != how.formulas, "other_times", {}),
+        *((one.has_counts, "counts", {"sensor": one.sensor.kind}) for one in triads),
+        (left, "not_calibrated", {"sensors": left}),
+        (is_by_norm, "by_norm", {}),
+        (not read.is_as_planned, "other_attitudes", {}),
+        (read.passed_over, "passed_over", {"spans": read.passed_over}),
+    )
+    for is_so, name, parts in rows:
+        if is_so:
+            yield sentence(f"calibrations.{name}", **parts)

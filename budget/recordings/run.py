@@ -12,6 +12,7 @@ import csv
 import io
 from dataclasses import dataclass, replace
 from hashlib import sha256
+from itertools import pairwise, permutations, product
 from math import acos, cos, degrees, inf, log, radians
 from typing import TYPE_CHECKING
 
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.inputs.records import Procedure, Recording
+    from budget.inputs.records import Recording
     from budget.model.windows import Window
 
 WINDOW, DURATION, START, END = "window", "duration", "start", "end"
@@ -43,6 +44,7 @@ MOST_BYTES = 16 * 1024 * 1024  # of a table of windows
 LOOK = 0.25  # s over which it is quiet or not, and that ends of rests are trimmed by
 QUIET = 4.0  # times the lower decile of the scatter [1]
 STILL = radians(1.0)  # rate that a rest may be off the others [rad/s]
+STILLER = radians(0.02)  # the same, where units may be wrong: the earth's is below it
 SIGMAS = 5.0  # likewise, of the scatter
 LEAST_REST = 1.0  # [s]
 NEAR = radians(25.0)  # of a face
@@ -51,6 +53,8 @@ MOST_JITTER = 1.5  # of a step of stamps over the usual one: more is a gap [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
 MOST_ISSUES = 5
 LEAST_SAMPLES = 3  # of a window
+LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
+ELSEWHERE = 10.0  # price of such a rest
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,8 +73,8 @@ class RecordedWindows:
     has_counts : mapping of str to bool
     passed_over : tuple of (float, float)
         Begins and ends of rests that are no window [s].
-    is_recorded : bool
-        Whether starts are known, of a recording and not of a table of means.
+    is_as_planned : bool
+        Whether the unit rested at the attitudes of the procedure.
     """
 
     name: str
@@ -79,7 +83,7 @@ class RecordedWindows:
     means: Mapping[str, Array]
     has_counts: Mapping[str, bool]
     passed_over: tuple[tuple[float, float], ...] = ()
-    is_recorded: bool = False
+    is_as_planned: bool = True
 
 
 def read_windows(
@@ -115,6 +119,7 @@ def read_windows(
     if len(paths) == 1 and (table := _read_table(*paths[0], first)) is not None:
         return _of_table(table, windows, name, paths[0])
     spans: list[_Span] = []
+    is_as_planned = True
     tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
     if times is not None:
         if len(tracks) > 1:
@@ -124,8 +129,9 @@ def read_windows(
             )
         spans = list(_given_spans(*times, windows))
     else:
-        found = [segment for track in tracks for segment in _segments(track, windows)]
-        spans = _matched(found, windows, name, knows_attitudes=knows_attitudes)
+        found, spans, is_as_planned = _found(
+            tracks, windows, name, knows_attitudes=knows_attitudes
+        )
     kinds = [kind for kind in SENSORS if any(kind in one.values for one in tracks)]
     means = {kind: np.full((3, len(windows)), np.nan) for kind in kinds}
     there = []
@@ -167,7 +173,7 @@ def read_windows(
                 for track, start, end in used
             )
         ),
-        is_recorded=True,
+        is_as_planned=is_as_planned,
     )
 
 
@@ -175,7 +181,7 @@ def read_windows(
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Table:
+class _WindowTable:
     """A table with a column of windows."""
 
     heads: tuple[str, ...]
@@ -201,7 +207,7 @@ def _read_text(path: Path, shown: str) -> str:
         raise refuse(shown, "is not UTF-8; save the file as UTF-8") from None
 
 
-def _read_table(path: Path, shown: str, recording: Recording) -> _Table | None:
+def _read_table(path: Path, shown: str, recording: Recording) -> _WindowTable | None:
     """Return a table of windows; None of any other recording."""
     if path.suffix.lower() in ARRAYS:
         return None
@@ -229,7 +235,7 @@ def _read_table(path: Path, shown: str, recording: Recording) -> _Table | None:
         if any(cell.strip() for cell in row)
     ]
     heads = recording.columns or tuple(rows[0][1])
-    return _Table(heads=tuple(heads), rows=rows[1:])
+    return _WindowTable(heads=tuple(heads), rows=rows[1:])
 
 
 def _fault(shown: str, line: int, column: int, message: str) -> SpecError:
@@ -263,7 +269,9 @@ def _number(shown: str, line: int, place: int, head: str, cell: str) -> float:
     return value
 
 
-def _columns(shown: str, table: _Table, wanted: Mapping[str, str]) -> dict[str, _Head]:
+def _columns(
+    shown: str, table: _WindowTable, wanted: Mapping[str, str]
+) -> dict[str, _Head]:
     """Return what the columns are, by name; `wanted` are names with their units.
 
     Raises
@@ -276,7 +284,7 @@ def _columns(shown: str, table: _Table, wanted: Mapping[str, str]) -> dict[str, 
     for place, head in enumerate(table.heads):
         name = head.split("[")[0].strip().casefold()
         try:
-            if name in wanted and wanted[name]:
+            if wanted.get(name):
                 # Read as a time is, whatever it is called.
                 column = read_head(head.replace(head.split("[")[0].strip(), TIME, 1))
             elif name in wanted:
@@ -320,7 +328,7 @@ class _Head:
 
 
 def _of_table(
-    table: _Table,
+    table: _WindowTable,
     windows: Sequence[Window],
     name: str,
     file: tuple[Path, str],
@@ -413,7 +421,7 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
     ]
     if not rows:
         raise refuse(shown, "is empty, expected heads window,start [s],end [s]")
-    table = _Table(heads=tuple(rows[0][1]), rows=rows[1:])
+    table = _WindowTable(heads=tuple(rows[0][1]), rows=rows[1:])
     columns = _columns(shown, table, {WINDOW: "", START: "s", END: "s"})
     if not {START, END} <= columns.keys():
         raise refuse(shown, "expected heads window,start [s],end [s]")
@@ -569,19 +577,21 @@ class _Segment:
         return f"turn {when}, {degrees(self.angle):.1f} deg"
 
 
-def _segments(track: _Track, windows: Sequence[Window]) -> list[_Segment]:
-    """Find rests and what is between them, in the order of time."""
+def _segments(track: _Track, windows: Sequence[Window], still: float) -> list[_Segment]:
+    """Find rests and what is between them, in the order of time.
+
+    In a rest the rate is no more off the others' than `still` [rad/s].
+    """
     kind = GYRO if GYRO in track.values else ACCELEROMETER
     times, values = track.values[kind]
     values = values[np.isfinite(values).all(axis=1)]
-    still = _rest_of(track, kind, times, values, windows)
-    starts, ends = _runs(still)
+    starts, ends = _runs(_rest_of(track, kind, values, windows, still))
     gaps = np.flatnonzero(np.diff(times) > MOST_JITTER / track.rate)
     cut: list[tuple[int, int]] = []
     for start, end in zip(starts, ends, strict=True):
         inside = [int(g) + 1 for g in gaps if start <= g < end - 1]
         edges = [start, *inside, end]
-        cut += list(zip(edges[:-1], edges[1:], strict=True))
+        cut += pairwise(edges)
     rests = [
         (int(a), int(b))
         for a, b in cut
@@ -598,7 +608,9 @@ def _segments(track: _Track, windows: Sequence[Window]) -> list[_Segment]:
         if k and level is not None:
             last = rests[k - 1][1]
             found.append(
-                _between(track, times, values, level, (last, a), forces[k - 1 : k + 1])
+                _between(
+                    track, values - level[:, None], (last, a), forces[k - 1 : k + 1]
+                )
             )
         found.append(
             _Segment(
@@ -613,11 +625,7 @@ def _segments(track: _Track, windows: Sequence[Window]) -> list[_Segment]:
 
 
 def _rest_of(
-    track: _Track,
-    kind: str,
-    times: Array,
-    values: Array,
-    windows: Sequence[Window],
+    track: _Track, kind: str, values: Array, windows: Sequence[Window], still: float
 ) -> NDArray[np.bool_]:
     """Say of each sample whether the unit rests.
 
@@ -627,9 +635,10 @@ def _rest_of(
         The recording is too short to say.
     """
     width = max(LEAST_SAMPLES, round(LOOK * track.rate)) | 1
-    if len(times) <= 4 * width:
+    n = values.shape[1]
+    if n <= 4 * width:
         raise CallError(
-            f"the recording has {len(times)} samples, too few to find rests in; "
+            f"the recording has {n} samples, too few to find rests in; "
             "give one of the whole run"
         )
     middle = np.median(values, axis=1)[:, None]
@@ -648,7 +657,11 @@ def _rest_of(
             (float(np.linalg.norm(one.rate)) for one in windows if one.sense),
             default=inf,
         )
-        allowed = max(min(STILL, slowest / 2.0), SIGMAS * decile / np.sqrt(width))
+        usual = min(STILL, slowest / 2.0)
+        least = SIGMAS * decile / np.sqrt(width)
+        if still < STILL:
+            usual = min(usual, max(still, SIGMAS * decile))
+        allowed = max(usual, least)
     return np.asarray(quiet & (off <= allowed))
 
 
@@ -687,24 +700,26 @@ def _forces(track: _Track, spans: Sequence[tuple[float, float]]) -> list[Array |
         every = (every - (high + low) / 2.0) / size
     found: list[Array | None] = []
     for one in every:
-        size = float(np.linalg.norm(one))
-        found.append(one / size if np.isfinite(size) and size > 0.0 else None)
+        length = float(np.linalg.norm(one))
+        found.append(one / length if np.isfinite(length) and length > 0.0 else None)
     return found
 
 
 def _between(
     track: _Track,
-    times: Array,
-    values: Array,
-    level: Array,
+    rates: Array,
     places: tuple[int, int],
     forces: Sequence[Array | None],
 ) -> _Segment:
-    """Return what is between two rests, from where it begins to move."""
+    """Return what is between two rests, from where it begins to move.
+
+    `rates` are those over the rests, (3, n).
+    """
+    times, _ = track.values[GYRO]
     first, last = places
     pad = max(1, round(LOOK * track.rate))
     a, b = max(first - pad, 0), min(last + pad, len(times))
-    moved = values[:, a:b] - level[:, None]
+    moved = rates[:, a:b]
     size = np.abs(moved).max(axis=0)
     edge = MOVING * float(size.max(initial=0.0))
     noise = SIGMAS * float(np.std(moved[:, :pad], axis=1).max()) if b > a else 0.0
@@ -712,7 +727,7 @@ def _between(
     if moving.size:
         a, b = a + int(moving[0]), a + int(moving[-1]) + 1
     steps = np.diff(times[a : b + 1]) if b < len(times) else np.diff(times[a:b])
-    own = values[:, a : a + len(steps)] - level[:, None]
+    own = rates[:, a : a + len(steps)]
     angle = np.abs((own * steps).sum(axis=1)).max() if len(steps) else 0.0
     before, after = forces
     is_back = before is None or after is None or float(before @ after) > cos(NEAR)
@@ -727,29 +742,67 @@ def _between(
     )
 
 
+def _found(
+    tracks: Sequence[_Track],
+    windows: Sequence[Window],
+    name: str,
+    *,
+    knows_attitudes: bool,
+) -> tuple[list[_Segment], list[_Span], bool]:
+    """Find rests and turns, and match them.
+
+    Where what should be a turn is so slow that it passes for a rest, units may be
+    wrong: a rest is then what is still by its own noise.
+
+    Raises
+    ------
+    CallError
+        Some window is not there.
+    """
+    first: CallError | None = None
+    for still in (STILL, STILLER):
+        found = [one for each in tracks for one in _segments(each, windows, still)]
+        try:
+            spans, is_as_planned = _matched(
+                found, windows, name, knows_attitudes=knows_attitudes
+            )
+        except CallError as error:
+            first = first or error
+        else:
+            return found, spans, is_as_planned
+    raise first or CallError(name)
+
+
 def _matched(
     found: Sequence[_Segment],
     windows: Sequence[Window],
     name: str,
     *,
     knows_attitudes: bool,
-) -> list[_Span]:
-    """Return when each window was, matched in order.
+) -> tuple[list[_Span], bool]:
+    """Return when each window was, matched in order, and whether at its attitude.
 
-    Where rests are at faces that are not the procedure's, and there are just as many
-    as it has, they are taken in order: what is wrong the readings will say.
+    Where attitudes are those of the procedure with axes exchanged or reversed, or a few
+    windows are at others though they last as long, they are taken as they come: what is
+    wrong the readings will say.
 
     Raises
     ------
     CallError
         Some window is not there: what is, and what should be.
     """
-    for is_strict in (knows_attitudes, False):
-        spans = _match(found, windows, is_strict=is_strict)
-        if spans is not None and (is_strict or not knows_attitudes):
-            return spans
-        if spans is not None and _is_whole(found, spans):
-            return spans
+    spans, _ = _match(found, windows, turned=np.eye(3), knows=knows_attitudes)
+    if spans is not None:
+        return spans, True
+    tried = [
+        _match(found, windows, turned=np.array(turned), knows=True)
+        for turned in _turned_axes()
+    ]
+    tried += [_match(found, windows, turned=np.eye(3), knows=True, strict=False)]
+    best = min((price, k) for k, (_, price) in enumerate(tried))
+    spans, price = tried[best[1]]
+    if spans is not None and price < inf:
+        return spans, False
     wanted = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
     there = "; ".join(one.said for one in found if one.is_rest or one.is_back)
     raise CallError(
@@ -760,49 +813,61 @@ def _matched(
     )
 
 
-def _is_whole(found: Sequence[_Segment], spans: Sequence[_Span]) -> bool:
-    """Whether every rest of the recording is in some window, but one at either end."""
-    rests = [one for one in found if one.is_rest]
-    held = [
-        any(
-            s.track == one.track and s.start < one.end and s.end > one.start
-            for s in spans
-        )
-        for one in rests
-    ]
-    return all(held[1:-1])
+def _turned_axes() -> Iterator[Array]:
+    """Yield axes that are exchanged or reversed, as matrices (3, 3)."""
+    for order in permutations(range(3)):
+        for signs in product((1.0, -1.0), repeat=3):
+            matrix = np.eye(3)[list(order)] * np.array(signs)[:, None]
+            if not np.array_equal(matrix, np.eye(3)):
+                yield matrix
 
 
 def _match(
-    found: Sequence[_Segment], windows: Sequence[Window], *, is_strict: bool
-) -> list[_Span] | None:
-    """Return the cheapest match in order, of durations; None without any.
+    found: Sequence[_Segment],
+    windows: Sequence[Window],
+    *,
+    turned: Array,
+    knows: bool,
+    strict: bool = True,
+) -> tuple[list[_Span] | None, float]:
+    """Return the cheapest match in order, and its price; None without any.
 
-    Dwells one after the other at the same angles may be one rest.
+    Dwells one after the other at the same angles may be one rest. Of forces, turned
+    into body axes, it `knows` where they should point; where it is not `strict`, a few
+    may point elsewhere.
     """
     n, m = len(windows), len(found)
     cost = np.full((n + 1, m + 1), inf)
     cost[0] = 0.0
     last: dict[tuple[int, int], int] = {}  # windows of the last segment, by state
     groups = [_alike(windows, j) for j in range(n)]
-    turned = _turn_unit(found, windows)
+    unit = _turn_unit(found, windows)
     for s in range(1, m + 1):
         segment = found[s - 1]
         for j in range(1, n + 1):
-            best, taken = cost[j, s - 1], 0
-            for g in range(1, j + 1):
-                if g > 1 and groups[j - 1] < g:
-                    break
-                price = _price(segment, windows[j - g : j], turned, is_strict=is_strict)
-                if cost[j - g, s - 1] + price < best:
-                    best, taken = cost[j - g, s - 1] + price, g
-            cost[j, s] = best
-            if taken:
-                last[j, s] = taken
-    if not np.isfinite(cost[n, m]):
-        return None
+            cost[j, s] = cost[j, s - 1]
+            for g in range(1, groups[j - 1] + 1):
+                own = windows[j - g : j]
+                price = cost[j - g, s - 1] + _price(segment, own, unit)
+                if price < inf and knows:
+                    price += _askew(segment, own, turned, strict=strict)
+                if price < cost[j, s]:
+                    cost[j, s], last[j, s] = price, g
+    price = float(cost[n, m])
+    most = max(2, n // 4) * (ELSEWHERE + LONG) + n * LONG
+    if price == inf or (not strict and price > most):
+        return None, inf
+    return _traced(found, windows, last), price
+
+
+def _traced(
+    found: Sequence[_Segment],
+    windows: Sequence[Window],
+    last: Mapping[tuple[int, int], int],
+) -> list[_Span]:
+    """Return the spans of a match, from its end."""
     spans: list[_Span] = []
-    j, s = n, m
+    j, s = len(windows), len(found)
     while j:
         taken = last.get((j, s), 0)
         if taken:
@@ -828,32 +893,41 @@ def _alike(windows: Sequence[Window], last: int) -> int:
 def _turn_unit(found: Sequence[_Segment], windows: Sequence[Window]) -> float:
     """Return the size of a turn as it is integrated over the true one [1].
 
-    Of counts, whose gain is not known, by the largest of both.
+    Of counts, whose gain is not known, or of other units, by the largest of both.
     """
     turns = [abs(one.setting.angle) for one in windows if one.sense]
     seen = [one.angle for one in found if not one.is_rest and one.is_back]
-    if not turns or not seen or not any(one.has_counts for one in found):
+    if not turns or not seen:
         return 1.0
-    return float(np.median(sorted(seen)[-len(turns) :])) / float(np.median(turns))
+    unit = float(np.median(sorted(seen)[-len(turns) :])) / float(np.median(turns))
+    return unit if abs(unit - 1.0) > SAME_TURN and unit > 0.0 else 1.0
 
 
-def _price(
-    segment: _Segment, windows: Sequence[Window], turned: float, *, is_strict: bool
-) -> float:
-    """Return how badly a segment fits windows; infinite where it does not."""
+def _price(segment: _Segment, windows: Sequence[Window], unit: float) -> float:
+    """Return how badly a segment fits windows by length, infinite if not at all."""
     window = windows[0]
     if bool(window.sense) == segment.is_rest:
         return inf
-    length = sum(one.length for one in windows)
-    price = abs(log(segment.length / length))
+    price = abs(log(segment.length / sum(one.length for one in windows)))
     if window.sense:
-        off = abs(segment.angle / turned / abs(window.setting.angle) - 1.0)
+        off = abs(segment.angle / unit / abs(window.setting.angle) - 1.0)
         return price if off <= SAME_TURN and segment.is_back else inf
-    if is_strict and segment.force is not None:
-        up = window.setting.to_body @ np.array([0.0, 0.0, 1.0])
-        off = acos(float(np.clip(up @ segment.force, -1.0, 1.0)))
-        return price + off if off <= NEAR else inf
     return price
+
+
+def _askew(
+    segment: _Segment, windows: Sequence[Window], turned: Array, *, strict: bool
+) -> float:
+    """Return how far a rest is off the attitude of windows [rad]; infinite if far."""
+    window = windows[0]
+    if segment.force is None or window.sense:
+        return 0.0
+    up = window.setting.to_body @ np.array([0.0, 0.0, 1.0])
+    off = acos(float(np.clip(up @ turned @ segment.force, -1.0, 1.0)))
+    if off <= NEAR:
+        return off
+    long = abs(log(segment.length / sum(one.length for one in windows)))
+    return inf if strict or long > LONG else ELSEWHERE
 
 
 def _split(segment: _Segment, windows: Sequence[Window]) -> Iterator[_Span]:

@@ -77,6 +77,11 @@ class SimulatedReadings:
     rate: float
     seed: int
 
+    @property
+    @abstractmethod
+    def samples(self) -> int:
+        """How many there are."""
+
     def scheme_of(self, sensor: Sensor) -> Scheme | None:  # noqa: ARG002
         """Return the windows of a triad; None of no test."""
         return None
@@ -175,10 +180,16 @@ class SimulatedRecording(SimulatedReadings):
 
     Attributes
     ----------
-    samples : int
+    asked : int
+        Samples that it has.
     """
 
-    samples: int
+    asked: int
+
+    @property
+    def samples(self) -> int:
+        """How many there are."""
+        return self.asked
 
     @property
     def duration(self) -> float:
@@ -293,7 +304,7 @@ def simulated_recording(
         device=load_device(device),
         procedure=place,
         rate=rate,
-        samples=round(duration * rate),
+        asked=round(duration * rate),
         seed=asked.seed,
     )
 

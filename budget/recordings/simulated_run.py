@@ -39,7 +39,6 @@ from budget.recordings.simulated import (
     NUMBER,
     STAMP,
     SimulatedReadings,
-    known_lines,
 )
 from budget.settings import Asked, Inputs, asking
 from budget.units import parse_quantity, size_of
@@ -48,9 +47,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from budget.arrays import Array
-    from budget.calibration.simulation import DrawnSource
+    from budget.calibration.simulation import DrawnSource, TurnOn
     from budget.inputs.files import File
-    from budget.inputs.records import Device, ErrorLine, Sensor
+    from budget.inputs.records import Device, ErrorLine, Procedure, Sensor
     from budget.model.place import Place
     from budget.model.scheme import Scheme
     from budget.model.windows import Setting
@@ -65,7 +64,7 @@ MOST_SAMPLES_OF_RUN = 200_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Blunder:
+class PlantedMistake:
     """A mistake that is made in a simulated run.
 
     Attributes
@@ -84,7 +83,7 @@ class Blunder:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Step:
+class RunStep:
     """A part of a run: a window, or a stand or a move between two.
 
     Attributes
@@ -105,12 +104,12 @@ class SimulatedRun(SimulatedReadings):
 
     Attributes
     ----------
-    blunders : tuple of Blunder
+    blunders : tuple of PlantedMistake
     is_table : bool
         Whether it is written as a table of means.
     """
 
-    blunders: tuple[Blunder, ...] = ()
+    blunders: tuple[PlantedMistake, ...] = ()
     is_table: bool = False
 
     @cached_property
@@ -143,7 +142,7 @@ class SimulatedRun(SimulatedReadings):
         return found
 
     @cached_property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[RunStep, ...]:
         """The run from begin to end, with what is between windows."""
         windows = self.windows
         found = [_stand(windows[0].setting, 0.0, STAND)]
@@ -154,7 +153,7 @@ class SimulatedRun(SimulatedReadings):
                 pause = max(0.0, design[k].start - design[k - 1].end)
                 found += _between(windows[k - 1], one, start, pause)
                 start = found[-1].window.end
-            found.append(Step(window=replace(one, start=start), place=k))
+            found.append(RunStep(window=replace(one, start=start), place=k))
         last = windows[-1]
         stands = last.setting.after(last.setting.angle)
         found.append(_stand(stands, found[-1].window.end, STAND))
@@ -170,7 +169,7 @@ class SimulatedRun(SimulatedReadings):
         """From begin to end [s]."""
         return self.steps[-1].window.end
 
-    def _count(self, step: Step) -> int:
+    def _count(self, step: RunStep) -> int:
         """Return how many samples a step has."""
         return max(1, round(step.window.length * self.rate))
 
@@ -214,7 +213,7 @@ class SimulatedRun(SimulatedReadings):
                 known={line.name: line for line in lines},
             )
 
-    def _readings(self) -> Iterator[tuple[Step, Samples, list[Array]]]:
+    def _readings(self) -> Iterator[tuple[RunStep, Samples, list[Array]]]:
         """Yield step after step its samples and the readings of each triad, (3, n)."""
         triads = list(self._triads())
         for step in self.steps:
@@ -288,15 +287,18 @@ class _DrawnTriad:
     drawn: Sequence[DrawnSource]
     known: Mapping[str, ErrorLine]
 
-    def readings(self, step: Step, at: Samples, tested: object, place: Place) -> Array:
+    def readings(
+        self, step: RunStep, at: Samples, tested: TurnOn, place: Place
+    ) -> Array:
         """Return what it reads in a step, (3, n) [unit of the input]."""
         window = step.window
         turning = window.setting.turning
         schedule = self.scheme.schedule
         is_window = step.place is not None
+        place_ = -1 if step.place is None else step.place
         table = TableState(
-            turn=schedule.turns.get(step.place) if is_window else None,  # type: ignore[arg-type]
-            stop=schedule.stops[step.place] if is_window else 0,  # type: ignore[index]
+            turn=schedule.turns.get(place_),
+            stop=schedule.stops.get(place_, 0),
             turning=None if turning is None else OUTER - turning,
             angle=window.setting.angle,
             length=window.length,
@@ -307,18 +309,20 @@ class _DrawnTriad:
             if isinstance(one.effect, Disturbance):
                 table = one.effect.table(one.value, table)
         where = SampledWindow(window=window, table=table, samples=at, known=self.known)
-        found = reading_of(self.sensor, tested, self.drawn, where)  # type: ignore[arg-type]
-        K = (1.0 + tested.k)[:, None] * table.pace  # type: ignore[attr-defined]
+        found = reading_of(self.sensor, tested, self.drawn, where)
+        K = (1.0 + tested.k)[:, None] * table.pace
         return np.asarray(np.broadcast_to(K * found, (len(AXES), at.n)))
 
 
-def _stand(setting: Setting, start: float, length: float) -> Step:
+def _stand(setting: Setting, start: float, length: float) -> RunStep:
     """Return a stand of the table."""
     at = replace(setting, turning=None, angle=0.0)
-    return Step(window=Window(name="stand", start=start, length=length, setting=at))
+    return RunStep(window=Window(name="stand", start=start, length=length, setting=at))
 
 
-def _between(before: Window, after: Window, start: float, pause: float) -> list[Step]:
+def _between(
+    before: Window, after: Window, start: float, pause: float
+) -> list[RunStep]:
     """Return what is between two windows: stand, move, stand; a pause alone of none."""
     stands = before.setting.after(before.setting.angle)
     there = replace(after.setting, turning=None, angle=0.0)
@@ -335,7 +339,9 @@ def _between(before: Window, after: Window, start: float, pause: float) -> list[
         begin = found[-1].window.end
         length = abs(angle) / MOVE
         found.append(
-            Step(window=Window(name="move", start=begin, length=length, setting=moving))
+            RunStep(
+                window=Window(name="move", start=begin, length=length, setting=moving)
+            )
         )
         stands = moving.after(angle)
     spent = found[-1].window.end - start
@@ -409,7 +415,7 @@ def simulated_run(
     return made
 
 
-def _blunder(said: str, unit: Device, how: object, rate: float) -> Blunder:
+def _blunder(said: str, unit: Device, how: Procedure, rate: float) -> PlantedMistake:
     """Read a mistake that is to be made.
 
     Raises
@@ -418,8 +424,7 @@ def _blunder(said: str, unit: Device, how: object, rate: float) -> Blunder:
         It is none of this procedure.
     """
     name, _, what = (part.strip() for part in said.partition("="))
-    windows = windows_of(how)  # type: ignore[arg-type]
-    place = how.place  # type: ignore[attr-defined]
+    windows, place = windows_of(how), how.place
     if name == MOTION:
         return _motion(said, what, unit, windows)
     numbers = range(1, len(windows) + 1)
@@ -429,7 +434,7 @@ def _blunder(said: str, unit: Device, how: object, rate: float) -> Blunder:
     }
     if name in SIZED:
         mistake = _sized(name, what, place)
-        return Blunder(said=said, mistakes=dict.fromkeys(by_kind, mistake))
+        return PlantedMistake(said=said, mistakes=dict.fromkeys(by_kind, mistake))
     known = [one for own in by_kind.values() for one in own if one.name == name]
     if not known:
         names = {one.name for own in by_kind.values() for one in own}
@@ -449,7 +454,7 @@ def _blunder(said: str, unit: Device, how: object, rate: float) -> Blunder:
         )
     nothing = Mistake(name=name)
     is_of_readings = bool(chosen.mix) or chosen.factor != 1.0
-    return Blunder(
+    return PlantedMistake(
         said=said,
         mistakes={
             kind: chosen if not is_of_readings or chosen in own else nothing
@@ -488,7 +493,9 @@ def _sized(name: str, what: str, place: Place) -> Mistake:
     return Mistake(name=name, place=moved_to(place, value))
 
 
-def _motion(said: str, what: str, unit: Device, windows: Sequence[Window]) -> Blunder:
+def _motion(
+    said: str, what: str, unit: Device, windows: Sequence[Window]
+) -> PlantedMistake:
     """Return a dwell that is read on into the motion after it.
 
     Raises
@@ -518,7 +525,7 @@ def _motion(said: str, what: str, unit: Device, windows: Sequence[Window]) -> Bl
             f"blunder {said!r}: expected a time below {windows[place].length:g} s"
         )
     nothing = Mistake(name=MOTION)
-    return Blunder(
+    return PlantedMistake(
         said=said,
         mistakes={one.kind: nothing for one in unit.sensors},
         cut=(place, cut),

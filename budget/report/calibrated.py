@@ -40,6 +40,7 @@ FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [
 MOST_SAID = 3  # values that are far off, in a headline
 MOST_DIGITS = 12
 PAGE = "figures_calibrated"
+INVERSE = "S\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,11 +162,7 @@ def calibrate_document(
             one.sensor: [
                 ("S", one.sensor_from_body, one.unit),
                 ("u(S)", one.standard_uncertainty, one.unit),
-                (
-                    "S\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}",
-                    one.body_from_sensor,
-                    _inverse(one.unit),
-                ),
+                (INVERSE, one.body_from_sensor, _inverse(one.unit)),
                 ("L", one.triangle, one.unit),
                 ("R", one.rotation, "1"),
                 ("bias", one.bias[None], one.bias_unit),

@@ -53,15 +53,20 @@ def _test(made: SimulatedReadings) -> Iterator[tuple[str, object]]:
         return
     yield "procedure", quoted(made.procedure.name)
     yield "mistakes", flow([quoted(one.said) for one in made.blunders])
-    there = (one for one in made.steps if one.place is not None)
+    there = [one for one in made.steps if one.place is not None]
     yield (
         "windows",
         [
             (
                 str(place),
-                flow({"start": _said(w.start, "s"), "length": _said(w.length, "s")}),
+                flow(
+                    {
+                        "start": _said(one.window.start, "s"),
+                        "length": _said(one.window.length, "s"),
+                    }
+                ),
             )
-            for place, w in enumerate((one.window for one in there), start=1)
+            for place, one in enumerate(there, start=1)
         ],
     )
 
