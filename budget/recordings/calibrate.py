@@ -204,10 +204,6 @@ def calibrate(
     """
     if not runs:
         raise CallError("no run is given; name the file of one")
-    if inputs.procedure is None:
-        raise CallError(
-            "a run is of a procedure; name the one that was followed (--procedure)"
-        )
     how = inputs.calibrated()
     if how.formulas in UNCALIBRATED:
         raise CallError(f"{how.name} is no test of which a run could be recorded")
@@ -440,7 +436,7 @@ def _by_scatter(
                 f"{triad.sensor.kind}, so that no scatter says how sure they are; "
                 "give the device (--device), or repeat windows"
             )
-        s = np.sqrt(squares / np.array(free))
+        s = np.sqrt(squares / np.array(free)) * triad.found.scale_factor
         J = _derivative(triad)  # (values, 3, n)
         of_values = np.einsum("pin,i,qin->pq", J, s**2, J)
         change = np.zeros((n, len(names)))

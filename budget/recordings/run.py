@@ -119,6 +119,7 @@ def read_windows(
     if len(paths) == 1 and (table := _read_table(*paths[0], first)) is not None:
         return _of_table(table, windows, name, paths[0])
     spans: list[_Span] = []
+    found: list[_Segment] = []
     is_as_planned = True
     tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
     if times is not None:
@@ -152,7 +153,6 @@ def read_windows(
         start = span.start - tracks[span.track].begin + tracks[span.track].offset
         begin = start if k == 0 else begin
         there.append(replace(window, start=start - begin, length=span.end - span.start))
-    used = [(one.track, one.start, one.end) for one in spans]
     return RecordedWindows(
         name=", ".join(one.name for one in recordings),
         sha256=tuple(pair for one in tracks for pair in one.sha256),
@@ -162,19 +162,27 @@ def read_windows(
             kind: any(track.counts.get(kind, False) for track in tracks)
             for kind in kinds
         },
-        passed_over=()
-        if times is not None
-        else tuple(
-            (one.start, one.end)
-            for one in found
-            if one.is_rest
-            and not any(
-                track == one.track and start < one.end and end > one.start
-                for track, start, end in used
-            )
-        ),
+        passed_over=tuple(_passed_over(found, spans)),
         is_as_planned=is_as_planned,
     )
+
+
+def _passed_over(
+    found: Sequence[_Segment], spans: Sequence[_Span]
+) -> Iterator[tuple[float, float]]:
+    """Yield rests that are no window, nor before or after a turn that is one."""
+    used = [
+        any(
+            s.track == one.track and s.start < one.end and s.end > one.start
+            for s in spans
+        )
+        for one in found
+    ]
+    for k, one in enumerate(found):
+        beside = (j for j in (k - 1, k + 1) if 0 <= j < len(found))
+        is_held = any(used[j] and not found[j].is_rest for j in beside)
+        if one.is_rest and not used[k] and not is_held:
+            yield one.start, one.end
 
 
 # ---- tables --------------------------------------------------------------------------

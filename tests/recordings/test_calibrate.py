@@ -1,0 +1,345 @@
+"""Recorded calibrations: windows found, values with their uncertainties, said so."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from calibration.test_mistakes import MEMS
+from command_line import call
+from numpy.testing import assert_allclose
+from places import TESTS
+from scipy.stats import binom, kstest, norm
+
+from budget.calibration.schemes import windows_of
+from budget.errors import CallError, SpecError
+from budget.inputs import load_device, load_procedure
+from budget.names import ANGLES, AXES
+from budget.recordings import calibrate as module
+from budget.recordings.calibrate import calibrate
+from budget.recordings.simulated_run import simulated_run
+from budget.units import size_of
+
+RUN = TESTS / "data" / "run.csv"
+SIX = "six-positions-and-turns"
+PARAMETERS = ("scale_factor", "mounting_angle", "bias")
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Provide a folder with the device and a short procedure of six faces and turns."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mems.yaml").write_text(json.dumps(MEMS), encoding="utf-8")
+    (tmp_path / "six.yaml").write_text(
+        "name: six faces\nlatitude: 34.2394 deg\ngravity: normal\n"
+        "sample_rate: 50 Hz\nestimator: least_squares\npause: 4 s\nwindows:\n"
+        "  - {face: all, dwell: 10 s}\n"
+        + "".join(
+            f"  - {{face: {axis} up, turn: vertical, turns: 1, rate: 45 deg/s, "
+            "back: true, use: gyro}\n"
+            for axis in "zxy"
+        ),
+        encoding="utf-8",
+    )
+    return tmp_path
+
+
+def written(folder, made, name="run.csv"):
+    """Write a simulated run."""
+    path = folder / name
+    path.write_text("".join(made.csv()), encoding="utf-8")
+    return path
+
+
+def truth_of(made, output):
+    """Return what was drawn of a parameter [SI]."""
+    own = made.turn_ons[output.sensor]
+    axes = ANGLES if output.parameter == "mounting_angle" else AXES
+    values = {"scale_factor": own.k, "mounting_angle": own.angle, "bias": own.bias}
+    return values[output.parameter][axes.index(output.axis)]
+
+
+def pulls(made, found):
+    """Return errors over standard uncertainties, of parameters."""
+    return np.array(
+        [
+            (one.value - truth_of(made, one)) / one.standard_uncertainty
+            for one in found.outputs
+            if one.parameter in PARAMETERS
+        ]
+    )
+
+
+def test_a_recording_gives_what_was_drawn(folder):
+    """Windows are found by rest and turn; values are what was drawn, to their U."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2)
+    path = written(folder, made)
+    found = calibrate(path, procedure="six.yaml", device="mems.yaml")
+    assert found.is_sound
+    # Of 24 the largest, by the law: 1 - (1 - p)^24 of 0.001.
+    assert np.abs(pulls(made, found)).max() < norm.isf(0.5 * 0.001 / 24)
+    own = [one for one in found.windows if one.sensor == "gyro"]
+    assert [one.window for one in own] == list(range(1, 13))
+    assert_allclose([one.length for one in own[6:]], 8.0, atol=0.05)
+    assert not found.passed_over
+
+
+def test_a_rest_too_many_is_listed_and_one_missing_refused(folder):
+    """What is no window is passed over; without a window there is no calibration."""
+    long = simulated_run("mems.yaml", procedure=SIX, seed=1, rate=50.0)
+    assert len(windows_of(load_procedure(SIX))) == 12
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2)
+    text = "".join(made.csv()).splitlines(keepends=True)
+    first = next(x for x in made.steps if x.place == 1).window  # z down
+    rate = 50
+    cut = [
+        text[0],
+        *text[1 : 1 + int((first.start - 5.0) * rate)],
+        *text[1 + int((first.end + 5.0) * rate) :],
+    ]
+    (folder / "cut.csv").write_text("".join(cut), encoding="utf-8")
+    with pytest.raises(CallError, match=r"(?s)wanted: 1 z up; 2 z down.*found: rest"):
+        calibrate("cut.csv", procedure="six.yaml", device="mems.yaml")
+    before = "".join(long.csv()).splitlines(keepends=True)[1 : 50 * 8]
+    times = [
+        f"{k / 50.0 - 100.0:.6g}," + x.split(",", 1)[1] for k, x in enumerate(before)
+    ]
+    more = [text[0], *times, *text[1:]]
+    (folder / "more.csv").write_text("".join(more), encoding="utf-8")
+    found = calibrate("more.csv", procedure="six.yaml", device="mems.yaml")
+    assert len(found.passed_over) == 1
+    assert found.passed_over[0].end < 0.0
+
+
+def test_least_squares_by_hand(folder):
+    """Values are those of numpy's least squares of the window means, to rounding."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    found = calibrate(written(folder, made), procedure="six.yaml", device="mems.yaml")
+    own = [one for one in found.windows if one.sensor == "accelerometer"]
+    g = made.procedure.gravity
+    inputs = g * np.array(
+        [[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]]
+    )
+    order = [
+        ["z up", "z down", "x up", "x down", "y up", "y down"].index(x.name)
+        for x in own
+    ]
+    A = np.column_stack([inputs[order], np.ones(6)])
+    fitted = np.linalg.lstsq(A, np.array([one.mean for one in own]))[0].T
+    (matrix,) = [x for x in found.matrix if x.sensor == "accelerometer"]
+    assert_allclose(matrix.sensor_from_body, fitted[:, :3], rtol=1e-9, atol=1e-10)
+    assert_allclose(matrix.bias, fitted[:, 3], rtol=1e-7)
+    assert_allclose(
+        matrix.body_from_sensor @ matrix.sensor_from_body, np.eye(3), atol=1e-12
+    )
+    assert_allclose(
+        matrix.triangle @ matrix.rotation, matrix.sensor_from_body, atol=1e-12
+    )
+    assert_allclose(np.triu(matrix.triangle, 1), 0.0, atol=1e-15)
+    assert_allclose(matrix.rotation @ matrix.rotation.T, np.eye(3), atol=1e-12)
+
+
+def test_counts_without_a_gain_stay_counts(folder):
+    """Scale factors are in counts per unit, and nothing is said in ppm."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    gain, zero = 2048.0 / 9.80665, 32768.0
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    place = [k for k, head in enumerate(rows[0]) if head.startswith("acc")]
+    for row in rows[1:]:
+        for k in place:
+            row[k] = f"{float(row[k]) * gain + zero:.9g}" if row[k] else ""
+    rows[0] = [x.replace("[m/s^2]", "[counts]") for x in rows[0]]
+    (folder / "c.csv").write_text(
+        "".join(",".join(row) + "\n" for row in rows), encoding="utf-8"
+    )
+    plain = calibrate(written(folder, made), procedure="six.yaml", device="mems.yaml")
+    found = calibrate("c.csv", procedure="six.yaml", device="mems.yaml")
+    assert found.is_sound
+    for one, other in zip(plain.outputs, found.outputs, strict=True):
+        if one.sensor != "accelerometer":
+            continue
+        if one.parameter == "scale_factor":
+            assert other.unit == "counts/(m/s^2)"
+            assert other.prior is None
+            value = other.value / other.si_per_unit
+            assert_allclose(value, gain * (1.0 + one.value), rtol=1e-7)
+            u = other.standard_uncertainty / other.si_per_unit
+            assert_allclose(u, gain * one.standard_uncertainty, rtol=1e-2)
+        elif one.parameter == "mounting_angle":
+            assert_allclose(other.value, one.value, rtol=0, atol=1e-7)
+    (matrix,) = [x for x in found.matrix if x.sensor == "accelerometer"]
+    assert_allclose(matrix.bias, zero, rtol=1e-3)
+
+
+def test_without_a_device_the_scatter_says_how_sure(folder):
+    """Student's t of the degrees that are left; whether it was sound nobody knows."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    found = calibrate(written(folder, made), procedure="six.yaml")
+    assert found.is_sound is None
+    own = [one for one in found.outputs if one.parameter == "bias"]
+    nu = {one.sensor: one.degrees_of_freedom for one in own}
+    assert nu == {"gyro": 8.0, "accelerometer": 2.0}
+    k = {one.sensor: one.coverage_factor for one in own}
+    assert_allclose([k["gyro"], k["accelerometer"]], [2.306004, 4.302653], rtol=1e-6)
+    # By hand: u of a bias of six faces is s/sqrt(6), s^2 the sum of squares over 2.
+    left = np.array([x.residual for x in found.windows if x.sensor == "accelerometer"])
+    s = np.sqrt((left**2).sum(axis=0) / 2.0)
+    u = [
+        one.standard_uncertainty / one.si_per_unit
+        for one in own
+        if one.sensor == "accelerometer"
+    ]
+    assert_allclose(u, s / np.sqrt(6.0), rtol=1e-2)  # of K and b besides
+
+
+@pytest.mark.parametrize(
+    ("blunder", "said"),
+    [
+        ("earth_rate_sign", "the earth rate with the wrong sign"),
+        ("axes_swapped=xy", "axes x and y exchanged"),
+        ("axis_reversed=y", "axis y reversed"),
+        ("window_face=3:y up", "window 3 at y up"),
+        ("windows_order=2,5", "windows 2 and 5 in the other order"),
+        ("turn_sense", "all turns in the other sense"),
+        ("degrees_radians", "degrees and radians exchanged"),
+        ("latitude=-50 deg", "latitude -"),
+    ],
+)
+@pytest.mark.slow
+@pytest.mark.usefixtures("folder")
+def test_a_mistake_in_a_long_recording_is_named(blunder, said):
+    """From simulate to the words on a terminal, with exit code 1."""
+    words = ("simulate", "mems.yaml", "--procedure", SIX, "--rate", "20", "--seed", "4")
+    assert call(*words, "--blunder", blunder, "-o", "r.csv").code == 0
+    found = call("calibrate", "r.csv", "--procedure", SIX, "--device", "mems.yaml")
+    assert found.code == 1
+    assert "NOT SOUND" in found.out
+    assert said in " ".join(found.out.split())
+
+
+@pytest.mark.usefixtures("folder")
+def test_motion_at_the_end_of_a_dwell_is_named():
+    """A dwell of the paper's test, read half a second into the move after it."""
+    words = ("simulate", "zhao-2019", "--means", "--blunder", "window_motion=8:0.5 s")
+    assert call(*words, "--rate", "20", "-o", "r.csv").code == 0
+    found = call(
+        "calibrate", "r.csv", "--procedure", "zhao-2019", "--device", "zhao-2019"
+    )
+    assert found.code == 1
+    assert "in window 8: axis z off" in " ".join(found.out.split())
+
+
+def test_one_seed_gives_one_run(folder):
+    """The same bytes; the table of means is of the same unit as the recording."""
+    words = ("simulate", "mems.yaml", "--procedure", "six.yaml", "--truth", "t.yaml")
+    texts = []
+    for more in ((), (), ("--seed", "1"), ("--means",)):
+        assert call(*words, *more, "-o", "a.csv").code == 0
+        texts.append((folder / "a.csv").read_bytes())
+    assert texts[0] == texts[1] != texts[2]
+    made = simulated_run("mems.yaml", procedure="six.yaml")
+    rows = np.loadtxt(folder / "a.csv", delimiter=",", skiprows=1, usecols=(2, 3, 4))
+    every = np.concatenate(list(made.pieces()))
+    first = next(x.window for x in made.steps if x.place == 0)
+    inside = (every[:, 0] >= first.start - 1e-9) & (every[:, 0] < first.end - 1e-9)
+    mean = every[inside, 1:4].mean(axis=0) / size_of("deg/s")
+    assert_allclose(rows[0], mean, rtol=1e-7)
+
+
+# ---- round trip ----------------------------------------------------------------------
+
+SEEDS = 200
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("procedure", "device"),
+    [("zhao-2019", "zhao-2019"), (SIX, MEMS), ("norm-icosahedron", MEMS)],
+)
+def test_intervals_hold_what_was_drawn(procedure, device, tmp_path, monkeypatch):
+    """95 and 68 % of each kind of parameter, p uniform; halved intervals fail."""
+    monkeypatch.setattr(module, "unseen_of", lambda *_: ())
+    unit, how = load_device(device), load_procedure(procedure)
+    every, p = [], {}
+    for seed in range(SEEDS):
+        made = simulated_run(unit, procedure=how, means=True, seed=seed, rate=2.0)
+        found = calibrate(written(tmp_path, made), procedure=how, device=unit)
+        every.append(pulls(made, found))
+        for what in ("chi_square", "prior"):
+            for one in getattr(found, what):
+                p.setdefault((one.sensor, what), []).append(one.p)
+    off = np.abs(np.array(every))
+    n = off.size
+    # Values of one run are correlated: three groups of axes are as good as alone.
+    for level, reach in ((0.95, norm.isf(0.025)), (0.6827, 1.0)):
+        inside = int((off <= reach).sum())
+        spread = np.sqrt(n * level * (1.0 - level) * 3.0)
+        assert abs(inside - n * level) <= 3.29 * spread, (level, inside / n)
+        by_parameter = (off <= reach).sum(axis=0)
+        low, high = binom.ppf([5e-5, 1.0 - 5e-5], SEEDS, level)
+        assert (by_parameter >= low).all()
+        assert (by_parameter <= high).all()
+    assert (off <= norm.isf(0.025) / 2.0).sum() < n * 0.75  # the control
+    for key, values in p.items():
+        assert kstest(values, "uniform").pvalue > 0.01 / len(p), key
+
+
+# ---- bad input -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (
+            lambda t: t.replace("turn z+,18,", "turn z+,18,x", 1),
+            "2:3: gyro_x [deg/s]: found",
+        ),
+        (lambda t: t.replace("turn z+,18,", "turn z+,18,nan,", 1), "has 9 fields"),
+        (lambda t: t.replace("turn z+,18,", "turn z+,-18,", 1), "above 0 s"),
+        (lambda t: t.replace("[deg/s]", "", 1), "without a unit"),
+        (lambda t: t.rsplit("\n", 2)[0] + "\n", "has 21 rows, and Zhao 2019 has 22"),
+        (lambda t: t[:-1], "has no end of line"),
+        (lambda t: t.replace("gyro_y", "gyro_x"), "two columns 'gyro_x'"),
+        (lambda t: t.replace("gyro_", "w_"), "did you mean"),
+        (lambda t: t.splitlines()[0] + "\n", "has 0 rows"),
+    ],
+)
+def test_what_is_wrong_with_a_table_is_said_at_its_place(tmp_path, change, said):
+    """File and line, what was found, what is allowed."""
+    text = change(RUN.read_text(encoding="utf-8"))
+    path = tmp_path / "r.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises((SpecError, CallError)) as caught:
+        calibrate(path, procedure="zhao-2019", device="zhao-2019")
+    assert said in str(caught.value)
+
+
+def test_a_window_without_reading_is_refused(tmp_path):
+    """Where the procedure uses it; where it does not nothing need stand."""
+    lines = RUN.read_text(encoding="utf-8").splitlines()
+    cells = lines[7].split(",")
+    cells[2] = ""
+    lines[7] = ",".join(cells)
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(CallError, match=r"window 7 .* has no reading of gyro_x"):
+        calibrate(path, procedure="zhao-2019", device="zhao-2019")
+
+
+def test_a_run_needs_its_procedure():
+    """A name is asked for; what tests nothing is refused."""
+    assert call("calibrate", str(RUN)).code == 2
+    with pytest.raises(CallError, match="needs procedure="):
+        calibrate(RUN)
+
+
+def test_a_limit_that_is_missed_is_exit_1(tmp_path):
+    """Values are written all the same; what is not known well enough is said."""
+    (tmp_path / "r.yaml").write_text(
+        "name: tight\nlimits:\n  gyro:\n    bias: 0.01 deg/h\n", encoding="utf-8"
+    )
+    words = ("calibrate", str(RUN), "--procedure", "zhao-2019", "--device", "zhao-2019")
+    found = call(*words, "--requirement", str(tmp_path / "r.yaml"))
+    assert found.code == 1
+    assert "3 parameters are not known as well" in " ".join(found.out.split())
