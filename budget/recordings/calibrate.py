@@ -847,17 +847,21 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
     left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
     lacks = [x for one in triads for x in one.sensor.expected_missing]
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
-    rows: Sequence[tuple[object, str, Mapping[str, object]]] = (
-        (unit is None, "no_device", {}),
-        (unit is not None and not how.station, "no_station", {}),
-        (unit is not None and lacks, "lacks", {"names": lacks}),
-        (given.there.formulas != how.formulas, "other_times", {}),
-        *((one.has_counts, "counts", {"sensor": one.sensor.kind}) for one in triads),
-        (left, "not_calibrated", {"sensors": left}),
-        (is_by_norm, "by_norm", {}),
-        (not read.is_as_planned, "other_attitudes", {}),
-        (read.passed_over, "passed_over", {"spans": read.passed_over}),
-    )
-    for is_so, name, parts in rows:
-        if is_so:
-            yield sentence(f"calibrations.{name}", **parts)
+    rows = [
+        (unit is None, sentence("calibrations.no_device")),
+        (unit is not None and not how.station, sentence("calibrations.no_station")),
+        (unit and lacks, sentence("calibrations.lacks", names=lacks)),
+        (given.there.formulas != how.formulas, sentence("calibrations.other_times")),
+        *(
+            (one.has_counts, sentence("calibrations.counts", sensor=one.sensor.kind))
+            for one in triads
+        ),
+        (left, sentence("calibrations.not_calibrated", sensors=left)),
+        (is_by_norm, sentence("calibrations.by_norm")),
+        (not read.is_as_planned, sentence("calibrations.other_attitudes")),
+        (
+            read.passed_over,
+            sentence("calibrations.passed_over", spans=read.passed_over),
+        ),
+    ]
+    yield from (said for is_so, said in rows if is_so)

@@ -732,9 +732,10 @@ def _between(
     edge = MOVING * float(size.max(initial=0.0))
     noise = SIGMAS * float(np.std(moved[:, :pad], axis=1).max()) if b > a else 0.0
     moving = np.flatnonzero(size > max(edge, noise))
-    if moving.size:
-        a, b = a + int(moving[0]), a + int(moving[-1]) + 1
-    steps = np.diff(times[a : b + 1]) if b < len(times) else np.diff(times[a:b])
+    a, b = (
+        (a + int(moving[0]), a + int(moving[-1]) + 1) if moving.size else (first, last)
+    )
+    steps = np.minimum(np.diff(times[a : b + 1]), MOST_JITTER / track.rate)
     own = rates[:, a : a + len(steps)]
     angle = np.abs((own * steps).sum(axis=1)).max() if len(steps) else 0.0
     before, after = forces

@@ -216,8 +216,8 @@ def test_weighted_is_no_worse_than_plain_by_all_that_is_known(name, device, owne
 def test_weighing_by_noise_alone_makes_it_worse(monkeypatch):
     """Control: what a held parameter leaves in the windows outweighs their noise."""
     nothing = np.zeros((3, 1, 1))
-    monkeypatch.setattr(covariance, "_disturbed", lambda *_: nothing)
-    monkeypatch.setattr(covariance, "_left", lambda *_: nothing)
+    monkeypatch.setattr(covariance, "_disturbances", lambda *_: ())
+    monkeypatch.setattr(covariance, "_left", lambda *_: 0.0 * nothing)
     found = [ratios(*case, title="by noise alone").max() for case in HARD]
 
     assert max(found) > 4.0
