@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from budget.names import Name
+from budget.names import AXES, PARAMETERS, Name
 from budget.report.document import json_text
 from budget.report.figures.rows import (
     Chart,
@@ -40,6 +40,7 @@ FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [
 MOST_SAID = 3  # values that are far off, in a headline
 MOST_DIGITS = 12
 PAGE = "figures_calibrated"
+WHOLE, SHORT = "%.7g", "%.2g"
 INVERSE = "S\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}"
 
 
@@ -85,6 +86,7 @@ class Pull:
     remaining: float = 0.0
     name: Name | None = None  # of a value
     window: int = 0  # of a residual
+    said: str = ""  # the window's name
 
     @property
     def size(self) -> float:
@@ -160,13 +162,13 @@ def calibrate_document(
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
-                ("S", one.sensor_from_body, one.unit),
-                ("u(S)", one.standard_uncertainty, one.unit),
-                (INVERSE, one.body_from_sensor, _inverse(one.unit)),
-                ("L", one.triangle, one.unit),
-                ("R", one.rotation, "1"),
-                ("bias", one.bias[None], one.bias_unit),
-                ("u(bias)", one.bias_standard_uncertainty[None], one.bias_unit),
+                ("S", one.sensor_from_body, one.unit, WHOLE),
+                ("u(S)", one.standard_uncertainty, one.unit, SHORT),
+                (INVERSE, one.body_from_sensor, _inverse(one.unit), WHOLE),
+                ("L", one.triangle, one.unit, WHOLE),
+                ("R", one.rotation, "1", WHOLE),
+                ("bias", one.bias[None], one.bias_unit, WHOLE),
+                ("u(bias)", one.bias_standard_uncertainty[None], one.bias_unit, SHORT),
             ]
             for one in found.matrix
         },
@@ -204,7 +206,7 @@ def pull_chart(found: RecordedCalibration) -> Chart | None:
             name=Name(one.parameter, owner=one.sensor),
         )
         for one in found.outputs
-        if one.prior_z is not None
+        if one.prior_z is not None and one.parameter in PARAMETERS
     ]
     return _chart("pulls", rows)
 
@@ -218,7 +220,13 @@ def residual_chart(found: RecordedCalibration) -> Chart | None:
         sizes = [abs(x) for x in one.z.tolist()]
         k = sizes.index(max(sizes))
         rows.append(
-            Pull(sensor=one.sensor, axis="xyz"[k], z=float(one.z[k]), window=one.window)
+            Pull(
+                sensor=one.sensor,
+                axis=AXES[k],
+                z=float(one.z[k]),
+                window=one.window,
+                said=one.name,
+            )
         )
     return _chart("residuals", rows)
 

@@ -247,6 +247,42 @@ def test_one_seed_gives_one_run(folder):
     assert_allclose(rows[0], mean, rtol=1e-7)
 
 
+# Published by imucal for its annotated session: K_a, R_a and K_g, of S = K R.
+K_A = (208.54567263762615, 208.0011341167055, 214.78455364603022)
+R_A = (
+    (0.9999125214309234, 0.007122056140390757, -0.011145662922687352),
+    (-0.007947378455060604, 0.9996887358297629, 0.023648903373787954),
+    (0.021342900724016442, -0.010781879507682177, 0.9997140749549175),
+)
+K_G = (16.67769558952488,)
+
+
+def test_a_published_calibration_comes_out():
+    """Raw counts of a Ferraris session: its K and R to rounding, its bias another's."""
+    folder = TESTS / "data" / "imucal"
+    found = calibrate(folder / "run.csv", procedure=folder / "procedure.yaml")
+    assert found.is_sound is None
+    gyro, accelerometer = found.matrix
+    S = accelerometer.sensor_from_body
+    assert_allclose(np.linalg.norm(S, axis=1), K_A, rtol=1e-9)
+    assert_allclose(S / np.linalg.norm(S, axis=1)[:, None], R_A, rtol=0, atol=1e-9)
+    # Its own bias is the mean of two faces, -6.019, -48.288, -28.966 counts.
+    assert_allclose(accelerometer.bias, [-7.873920, -55.943248, -31.030893], atol=1e-6)
+    assert_allclose(
+        accelerometer.bias_standard_uncertainty, [2.05, 8.57, 1.19], atol=0.01
+    )
+    assert_allclose(
+        np.diag(accelerometer.standard_uncertainty), [0.363, 1.512, 0.210], atol=1e-3
+    )
+    # It leaves the earth rate out.
+    rows = np.linalg.norm(gyro.sensor_from_body, axis=1)
+    assert_allclose(rows[0], K_G[0], rtol=3e-4)
+    assert_allclose(
+        np.diag(gyro.sensor_from_body), [16.6765, 16.1766, 16.2404], rtol=3e-4
+    )
+    assert gyro.unit == "counts/(deg/s)"
+
+
 # ---- round trip ----------------------------------------------------------------------
 
 SEEDS = 200
