@@ -52,6 +52,8 @@ SAME_TURN = 0.1  # of whole turns [1]
 MOST_JITTER = 1.5  # of a step of stamps over the usual one: more is a gap [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
 MOST_ISSUES = 5
+MOST = 1e12  # of a reading or a time, as it is written
+LEAST_LENGTH = 1e-3  # of a window [s]
 LEAST_SAMPLES = 3  # of a window
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
 ELSEWHERE = 10.0  # price of such a rest
@@ -237,13 +239,30 @@ def _read_table(path: Path, shown: str, recording: Recording) -> _WindowTable | 
             "the last row has no end of line, so that it may have been cut off; take "
             "the row out, or end it",
         )
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(io.StringIO(text)), start=1)
-        if any(cell.strip() for cell in row)
-    ]
+    rows = _rows(shown, text)
     heads = recording.columns or tuple(rows[0][1])
     return _WindowTable(heads=tuple(heads), rows=rows[1:])
+
+
+def _rows(shown: str, text: str) -> list[tuple[int, list[str]]]:
+    """Return the rows of a table with their lines, heads first.
+
+    Raises
+    ------
+    SpecError
+        A line is no row.
+    """
+    lines = csv.reader(io.StringIO(text, newline=""))
+    found = []
+    try:
+        for row in lines:
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                found.append((lines.line_num, cells))
+    except csv.Error as error:
+        message = f"is no row of a table ({error}); write one in a line, with commas"
+        raise _fault(shown, lines.line_num + 1, 1, message) from None
+    return found
 
 
 def _fault(shown: str, line: int, column: int, message: str) -> SpecError:
@@ -266,13 +285,13 @@ def _number(shown: str, line: int, place: int, head: str, cell: str) -> float:
         value = float(cell) if "_" not in cell else np.nan
     except ValueError:
         value = np.nan
-    if not np.isfinite(value):
-        hint = ", or nothing where a window is not used"
+    if not abs(value) < MOST:
         raise _fault(
             shown,
             line,
             place + 1,
-            f"{head}: found {describe(cell)}, expected a finite number{hint}",
+            f"{head}: found {describe(cell)}, expected a number below {MOST:.0e}, or "
+            "nothing where a window is not used",
         )
     return value
 
@@ -383,12 +402,12 @@ def _of_table(
                 if at is None
                 else _number(shown, line, at.place, at.head, cell) * at.size
             )
-            if key == DURATION and read <= 0.0:
+            if key == DURATION and read < LEAST_LENGTH:
                 raise _fault(
                     shown,
                     line,
                     at.place + 1 if at else 1,
-                    f"found {describe(cell)}, expected a duration above 0 s",
+                    f"found {describe(cell)}, expected a duration of 1 ms or more",
                 )
             into.append(read)
     there, delay = [], 0.0
@@ -422,11 +441,7 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
         Rows that are none, or more or fewer than windows.
     """
     text = _read_text(path, shown)
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(io.StringIO(text)), start=1)
-        if any(cell.strip() for cell in row)
-    ]
+    rows = _rows(shown, text)
     if not rows:
         raise refuse(shown, "is empty, expected heads window,start [s],end [s]")
     table = _WindowTable(heads=tuple(rows[0][1]), rows=rows[1:])
@@ -488,6 +503,13 @@ def _read_track(recording: Recording, number: int) -> _Track:
                 shown, f"has more than {MOST_ROWS:.0e} rows; cut it to the run"
             )
         every = np.concatenate(rows)
+        if np.abs(every).max(initial=0.0) >= MOST:
+            row = int(np.abs(every).max(axis=1).argmax())
+            raise refuse(
+                shown,
+                f"row {row + 1} has {np.abs(every[row]).max():.3g}, expected numbers "
+                f"below {MOST:.0e}; leave such rows out, or stamps begin elsewhere",
+            )
         files.append((path.name, table.sha256))
         read = opened.read
         if TIME in read:

@@ -332,7 +332,7 @@ def test_intervals_hold_what_was_drawn(procedure, device, tmp_path, monkeypatch)
             "2:3: gyro_x [deg/s]: found",
         ),
         (lambda t: t.replace("turn z+,18,", "turn z+,18,nan,", 1), "has 9 fields"),
-        (lambda t: t.replace("turn z+,18,", "turn z+,-18,", 1), "above 0 s"),
+        (lambda t: t.replace("turn z+,18,", "turn z+,-18,", 1), "of 1 ms or more"),
         (lambda t: t.replace("[deg/s]", "", 1), "without a unit"),
         (lambda t: t.rsplit("\n", 2)[0] + "\n", "has 21 rows, and Zhao 2019 has 22"),
         (lambda t: t[:-1], "has no end of line"),
@@ -379,3 +379,93 @@ def test_a_limit_that_is_missed_is_exit_1(tmp_path):
     found = call(*words, "--requirement", str(tmp_path / "r.yaml"))
     assert found.code == 1
     assert "3 parameters are not known as well" in " ".join(found.out.split())
+
+
+# What hostile and careless people write into a table, or cut out of it.
+PIECES = (
+    *("", ",", ",,", "\n", "\n\n", "\r", "\0", "nan", "inf", "-", "1e999", "1_0", "x"),
+    *(
+        "[deg/s]",
+        "[counts]",
+        "[m]",
+        "window",
+        "gyro_x",
+        '"',
+        "0,5",
+        ";",
+        "\ufeff",
+        "9" * 400,
+    ),
+    *(
+        "1e-300",
+        "1e300",
+        "-1",
+        "\N{DEGREE SIGN}",
+        "#",
+        "duration [h]",
+        "\u202e",
+        "=1+1",
+    ),
+)
+MUTATED = 2000
+
+
+@pytest.mark.slow
+def test_mutated_runs_are_read_or_refused(tmp_path, monkeypatch):
+    """Of 2,000 tables none ends otherwise; a refusal says where, or what is missing."""
+    monkeypatch.setattr(module, "unseen_of", lambda *_: ())
+    text = RUN.read_text(encoding="utf-8")
+    random = np.random.default_rng(38)
+    unit, how = load_device("zhao-2019"), load_procedure("zhao-2019")
+    path = tmp_path / "r.csv"
+    read = longest = 0
+    for _ in range(MUTATED):
+        made = text
+        for _ in range(random.integers(1, 4)):
+            at, gone = random.integers(len(made) + 1), random.integers(0, 12)
+            piece = PIECES[random.integers(len(PIECES))]
+            made = made[:at] + piece + made[at + gone :]
+        path.write_bytes(made.encode("utf-8", errors="replace"))
+        try:
+            found = calibrate(path, procedure=how, device=unit)
+        except (SpecError, CallError) as error:
+            longest = max(longest, len(str(error)))
+        else:
+            read += 1
+            assert all(np.isfinite(one.value) for one in found.outputs)
+            json.dumps(found.to_dict(), allow_nan=False)
+    assert read > MUTATED / 50
+    assert 0 < longest < 4000
+
+
+@pytest.mark.slow
+def test_mutated_recordings_are_read_or_refused(folder):
+    """Of a long recording likewise: rows cut, put in, damaged, turned round."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, rate=10.0)
+    head, *rows = "".join(made.csv()).splitlines()
+    random = np.random.default_rng(39)
+    unit, how = load_device("mems.yaml"), load_procedure("six.yaml")
+    longest = 0
+    for _ in range(200):
+        own = list(rows)
+        for _ in range(random.integers(1, 4)):
+            at = int(random.integers(len(own)))
+            n = int(random.integers(1, 200))
+            own[at : at + n] = (
+                [],
+                own[at : at + n] * 2,
+                [PIECES[random.integers(len(PIECES))]],
+                [one.replace(".", ",") for one in own[at : at + n]],
+                [
+                    ",".join([one.split(",")[0], *["1e9"] * 6])
+                    for one in own[at : at + n]
+                ],
+            )[random.integers(5)]
+        (folder / "r.csv").write_text("\n".join([head, *own]) + "\n", encoding="utf-8")
+        try:
+            found = calibrate("r.csv", procedure=how, device=unit)
+        except (SpecError, CallError) as error:
+            longest = max(longest, len(str(error)))
+        else:
+            json.dumps(found.to_dict(), allow_nan=False)
+    assert 0 < longest < 8000
