@@ -663,7 +663,7 @@ class Inputs(Use):
     requirement: Requirement | File | None = setting(
         None,
         "Requirement file; its coverage and error reference rule.",
-        "analyze mission report compare allocate station sweep check calibrate",
+        "analyze mission report compare allocate station sweep check calibrate history",
         said="What it is judged against; its coverage and error reference rule.",
         at={
             "compare": {"only": CLI, "needed": True},
@@ -678,7 +678,8 @@ class Inputs(Use):
         (),
         "Another value than the file's, as gyro.bias_stability='0.02 deg/h', of an "
         "axis gyro.bias_repeatability.x=..., of one device NAME:gyro....",
-        f"{_JUDGING} station export check diff devices validate simulate calibrate",
+        f"{_JUDGING} station export check diff devices validate simulate calibrate "
+        "history",
         only=CLI,
         panel=JUDGED,
         option="--set",

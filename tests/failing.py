@@ -25,6 +25,7 @@ DEVICE = shipped("specs") / "devices" / "zhao-2019.yaml"
 # Quick calls of every command that prints results, with the code of success.
 LOG = str(TESTS / "data" / "static.csv")
 RUN = str(TESTS / "data" / "run.csv")
+RESULTS = (str(TESTS / "data" / "history"),)
 TEST = ("--procedure", "zhao-2019", "--device", "zhao-2019")
 PRINTING = {
     "analyze": ("analyze", "--no-validate", *GRADE),
@@ -45,6 +46,7 @@ PRINTING = {
     "devices json": ("devices", "--json", "-"),
     "characterise": ("characterise", LOG),
     "calibrate": ("calibrate", RUN, *TEST),
+    "history": ("history", *RESULTS),
     "simulate": ("simulate", "hg4930#A", "--static", "1 min", "-o", "-"),
     "paper": ("paper",),
     "validate": ("validate", DEVICE),
@@ -82,6 +84,10 @@ WRITING = {
     ),
     "calibrate": (
         *("calibrate", RUN, *TEST, "--json", "a.json", "--csv", "a.csv"),
+        *("-o", "a.html"),
+    ),
+    "history": (
+        *("history", *RESULTS, "--json", "a.json", "--csv", "a.csv"),
         *("-o", "a.html"),
     ),
     "simulate": (

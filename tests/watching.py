@@ -49,6 +49,10 @@ CALLS = {
         *("calibrate", str(TESTS / "data" / "run.csv"), "--procedure", "zhao-2019"),
         *("--device", "zhao-2019", "-o", "a.html", "--json", "a.json"),
     ),
+    "history": (
+        *("history", str(TESTS / "data" / "history")),
+        *("-o", "a.html", "--json", "a.json"),
+    ),
     "simulate": (
         *("simulate", "hg4930#A", "--static", "20 s"),
         *("-o", "a.csv", "--truth", "a.yaml"),

@@ -26,6 +26,7 @@ from budget.cli.decide import decide
 from budget.cli.devices import devices
 from budget.cli.diff import diff
 from budget.cli.export import export
+from budget.cli.history import history
 from budget.cli.mission import mission
 from budget.cli.new import new
 from budget.cli.paper import paper
@@ -146,6 +147,7 @@ for command in (
         export,
         characterise,
         calibrate,
+        history,
         simulate,
         report,
         compare,

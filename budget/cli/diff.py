@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.recordings.printed import MeasuredLot, MeasuredUnit
+    from budget.recordings.results import CalibrationChange
     from budget.references.records import Job, ReferenceBudget, StoredInput
 
 SUFFIX = ".json"
@@ -58,20 +59,37 @@ def diff(
     what is worse than printed; of several units, the lot and its spread. -o writes that
     as a page.
 
+    Two results of `budget calibrate --json` are two calibrations of a unit: what moved
+    beyond its uncertainty and, with --procedure, whether that is the size of a known
+    mistake.
+
     --set changes the devices of the call as elsewhere; of a device beside itself it
     changes B: what does this value do?
     """
     from budget.cli.output import check_files, hand_out
     from budget.errors import CallError
     from budget.inputs.records import CHANGED
+    from budget.recordings.results import is_result
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
-    from budget.report.document import json_of, table_csv
+    from budget.report.calibration_changes import change_answer
+    from budget.report.document import json_of, json_text, table_csv
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
 
     names = (first, others[0])
     check_files(out, inputs, (first, *others))
+    if all(map(is_result, (first, *others))):
+        change = _change(first, others, inputs)
+        hand_out(
+            [
+                (out.json, lambda: json_text(change.to_dict())),
+                (out.csv, lambda: table_csv("changed_parameter", change.parameters)),
+            ],
+            lambda: change_answer(change),
+            language=out.language,
+        )
+        return
     stored = [_reference(name) for name in names]
     given = Stored.of(asked, inputs)
     stated = options.given(context, Asked, Inputs)
@@ -117,6 +135,23 @@ def diff(
         lambda: difference_sections(difference),
         language=out.language,
     )
+
+
+def _change(first: str, others: Sequence[str], inputs: Inputs) -> CalibrationChange:
+    """Hold two results of a calibration beside each other.
+
+    Raises
+    ------
+    CallError
+        They are more than two.
+    """
+    from budget.errors import CallError
+    from budget.recordings.results import change_between, read_result
+
+    if len(others) > 1:
+        raise CallError(f"{len(others) + 1} calibrations are given, expected 2")
+    how = None if inputs.procedure is None else inputs.calibrated()
+    return change_between(read_result(first), read_result(others[0]), how)
 
 
 def _reference(name: str) -> ReferenceBudget | None:

@@ -185,7 +185,7 @@ Grades = Annotated[
 ]
 _PAGES = (
     "mission report compare decide allocate station check diff paper characterise "
-    "calibrate"
+    "calibrate history"
 )
 
 

@@ -77,6 +77,7 @@ STEP = 1e-4  # of readings over the largest, that the estimate is differentiated
 SHOWN = 0.95  # probability of being seen, below which a mistake may be missed [1]
 WORST = 3  # windows that are named
 TINY = 1e-9  # of a reading's uncertainty, below which nothing can be left of it [1]
+HALF = 0.5  # of a nominal scale factor, from which it is none [1]
 AS_TESTED, SCALE_FACTOR = "as_tested", "scale_factor"
 
 
@@ -846,6 +847,12 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
     read, how, unit = given.read, given.how, given.unit
     left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
     lacks = [x for one in triads for x in one.sensor.expected_missing]
+    far = [
+        Name(SCALE_FACTOR, owner=one.sensor.kind)
+        for one in triads
+        if unit is None and not one.has_counts
+        if (np.abs(one.scale_factor - 1.0) > HALF).any()
+    ]
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
     rows = [
         (unit is None, sentence("calibrations.no_device")),
@@ -856,6 +863,7 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
             (one.has_counts, sentence("calibrations.counts", sensor=one.sensor.kind))
             for one in triads
         ),
+        (far, sentence("calibrations.far", names=far)),
         (left, sentence("calibrations.not_calibrated", sensors=left)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),

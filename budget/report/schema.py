@@ -18,8 +18,10 @@ from budget.known import Known
 from budget.names import Name
 from budget.navigation.route import Outline
 from budget.recordings.calibrated import RecordedCalibration
+from budget.recordings.history import CalibrationHistory
 from budget.recordings.printed import MeasuredLot, MeasuredUnit
 from budget.recordings.records import Characterisation
+from budget.recordings.results import CalibrationChange
 from budget.results import Budget
 from budget.studies.allocation.records import Allocation
 from budget.studies.comparison.records import Comparison
@@ -34,6 +36,8 @@ STUDIES = (
     *(Budget, Comparison, Decision, Allocation, Qualification, Export),
     Characterisation,
     RecordedCalibration,
+    CalibrationChange,
+    CalibrationHistory,
     MeasuredUnit,
     MeasuredLot,
 )

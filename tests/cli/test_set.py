@@ -38,7 +38,7 @@ CALLS = {
     "mission": ("mission", "zhao-2019", "--mission", "bench", "--no-validate"),
 }
 # What has documents of its own: stored budgets, two sides, words on files.
-OTHERS = {"check", "diff", "validate", "simulate", "calibrate"}
+OTHERS = {"check", "diff", "validate", "simulate", "calibrate", "history"}
 WITHOUT = {"new", "schema", "paper", "characterise"}  # what reads no device
 
 
