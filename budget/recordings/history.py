@@ -79,7 +79,7 @@ class CalibratedValue(Documented):
     scatter [1]: of the values about it, over what they are known to; null of two
     p [1]: probability of as large a slope where nothing drifts
     standing: 'drifts' where p is below 5 % over all parameters, else 'steady'
-    ageing [unit]: standard uncertainty of what a year makes of it, by the data sheet;
+    ageing [unit]: standard uncertainty of what a year adds, by the data sheet;
       null where none says it
     is_older: whether it drifts more than the data sheet says, at 95 %
     limit? [unit]: on its error
