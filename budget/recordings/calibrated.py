@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     standard_uncertainty / unit [unit]: against the values during the test
     coverage_factor [1]
     degrees_of_freedom or null [1]: null where infinite
-    interval / unit [unit]: value -+ k u
+    interval_low = interval.0 / unit [unit]: value - k u
+    interval_high = interval.1 / unit [unit]
     prior / unit [unit]: standard uncertainty before, by the data sheet; null where it
       gives none
     prior_z [1]: value less the nominal one, over both standard uncertainties; likewise

@@ -72,7 +72,7 @@ class CalibratedValue(Documented):
     parameter
     axis
     unit
-    values
+    values not in CSV
     drift [unit/year]: slope of the straight line
     drift_low [unit/year]: of its interval at 95 %
     drift_high [unit/year]
@@ -373,7 +373,7 @@ def drift_of(times: Array, values: Array, u: Array) -> StraightLine:
 
 
 def _ageing(unit: Device, key: Key, size: float) -> float | None:
-    """Return what a year makes of a parameter by its data sheet, 1 sigma; else None."""
+    """Return what a year adds to a parameter by its data sheet, 1 sigma; else None."""
     sensor, parameter, axis = key
     own = next((one for one in unit.sensors if one.kind == sensor), None)
     line = None if own is None else own.line(AGEING.get(parameter, ""))
