@@ -29,8 +29,8 @@ if TYPE_CHECKING:
       gives none
     prior_z [1]: value less the nominal one, over both standard uncertainties; likewise
     remaining [1]: standard uncertainty over the one before; likewise
-    limit? / unit [unit]: on the absolute error
-    utilisation? [1]: k u over the limit
+    limit / unit [unit]: on the absolute error; null where there is none
+    utilisation [1]: k u over the limit; likewise
     """,
 )
 @dataclass(frozen=True, kw_only=True)

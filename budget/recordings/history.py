@@ -82,10 +82,10 @@ class CalibratedValue(Documented):
     ageing [unit]: standard uncertainty of what a year adds, by the data sheet;
       null where none says it
     is_older: whether it drifts more than the data sheet says, at 95 %
-    limit? [unit]: on its error
-    reaches? [years]: since the last calibration, when drift and U are the limit; null
+    limit [unit]: on its error; null where there is none
+    reaches [years]: since the last calibration, when drift and U are the limit; null
       where it does not drift
-    earliest? [years]: by the end of the interval that is farther from 0
+    earliest [years]: by the end of the interval that is farther from 0
     """,
 )
 @dataclass(frozen=True, kw_only=True)
