@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.files import NamedFile
+    from budget.inputs.records import Device
     from budget.references.difference import Difference
     from budget.references.records import Job, Role, Stored, StoredInput
     from budget.results import InputFile
@@ -272,7 +273,10 @@ def validate(
     inputs: Inputs,
     _out: options.OutputFiles,
 ) -> None:
-    """Check files and say everything that is wrong in them, with positions."""
+    """Check files and say everything that is wrong in them, with positions.
+
+    Of a procedure beside a device it says which mistakes of a run they may not show.
+    """
     from budget.cli.output import printing
     from budget.errors import SpecError
     from budget.inputs.load import try_valid
@@ -281,6 +285,7 @@ def validate(
     from budget.studies.sheets import cautions_of_device
 
     checked, issues = try_valid(files, inputs.changes)
+    devices = [one for found in checked for one in found.devices]
     for found in checked:
         name = found.file
         with printing():
@@ -298,19 +303,24 @@ def validate(
             if found.kind == "device" and found.assumptions:
                 tell(f"  how values of data sheets are read: {MEANINGS}\n")
             if found.kind == "procedure":
-                _show_procedure(name)
+                _show_procedure(name, devices)
             if found.kind == "mission":
                 _show_mission(name)
     if issues:
         raise SpecError(tuple(issues))
 
 
-def _show_procedure(name: str) -> None:
-    """Warn of what it says of the place, what that may cost; draw what it does when."""
+def _show_procedure(name: str, devices: Sequence[Device]) -> None:
+    """Warn of what it says of the place, what that may cost; draw what it does when.
+
+    Of devices that are checked beside it, which mistakes of a run they may not show.
+    """
     from budget.calibration.schemes import calibrates
     from budget.cli.output import print_page
     from budget.inputs import load_procedure
     from budget.model.sources import SENSORS
+    from budget.recordings.calibrate import unseen_mistakes
+    from budget.report.calibrated import unseen_section
     from budget.report.figures.timeline import schedule_sections
     from budget.report.inputs import blunders_sections
     from budget.studies.blunders import costs, evident
@@ -320,7 +330,14 @@ def _show_procedure(name: str) -> None:
         tell(f"  warning: {text}\n")
     there = [kind for kind in SENSORS if calibrates(kind, procedure)]
     print_page(
-        [*blunders_sections(costs(procedure)), *schedule_sections(procedure, there)]
+        [
+            *blunders_sections(costs(procedure)),
+            *schedule_sections(procedure, there),
+            *(
+                unseen_section(unseen_mistakes(one, procedure), device=one.name)
+                for one in devices
+            ),
+        ]
     )
 
 

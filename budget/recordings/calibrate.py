@@ -32,7 +32,7 @@ from budget.calibration.schemes import (
     schemes_of,
     windows_of,
 )
-from budget.errors import CallError
+from budget.errors import BudgetError, CallError
 from budget.inputs import load_device, load_recording
 from budget.inputs.files import find
 from budget.inputs.recording import with_columns
@@ -631,6 +631,40 @@ def unseen_of(kind: str, run: TriadRun | NormRun) -> Iterator[UnseenMistake]:
         yield UnseenMistake(
             name=name, sensor=kind, probability=min(seen), windows=tuple(numbers)
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenMistakes:
+    """What a run of a procedure with a device may not show, or why that is not told."""
+
+    unseen: tuple[UnseenMistake, ...]
+    why: str = ""
+
+
+def unseen_mistakes(device: Device, procedure: Procedure) -> UnseenMistakes:
+    """Tell before a run which known mistakes it may not show.
+
+    By a run that reads what the nominal unit would.
+    """
+    found: list[UnseenMistake] = []
+    try:
+        for sensor in device.sensors:
+            kind = sensor.kind
+            if not calibrates(kind, procedure) or (
+                kind == GYRO and is_beside(procedure)
+            ):
+                continue
+            scheme = schemes_of([sensor], procedure)[kind]
+            inputs = (scheme.turn + scheme.standing).T
+            M = np.eye(3) + tilt_matrix(sensor.nominal_mounting_angle)
+            readings = M @ inputs + sensor.nominal_bias[:, None]
+            every = enumerate(windows_of(procedure))
+            own = [k for k, one in every if one.use in {kind, "both"}]
+            triad = _triad(sensor, scheme, own, readings, is_counted=False)
+            found += unseen_of(kind, _run(triad, procedure))
+    except BudgetError as error:
+        return UnseenMistakes(unseen=(), why=str(error))
+    return UnseenMistakes(unseen=tuple(found))
 
 
 def _windows(

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from budget.arrays import Array
+    from budget.recordings.calibrate import UnseenMistakes
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
@@ -100,6 +101,12 @@ def calibrate_answer(found: RecordedCalibration) -> tuple[Section, ...]:
         *sections("calibrate", **_view(found)),
         *sections("assumptions", found=found),
     )
+
+
+def unseen_section(found: UnseenMistakes, *, device: str) -> Section:
+    """Return what a run of a procedure with a device may not show."""
+    (section,) = sections("unseen", found=found, device=device)
+    return section
 
 
 def _view(found: RecordedCalibration) -> dict[str, object]:

@@ -283,6 +283,15 @@ def test_a_published_calibration_comes_out():
     assert gyro.unit == "counts/(deg/s)"
 
 
+def test_validate_says_before_what_a_run_may_not_show():
+    """As calibrate does after it; of a device without noise that it is not told."""
+    found = call("validate", "zhao-2019", "six-positions-and-turns")
+    assert found.code == 0
+    said = " ".join(found.out.split())
+    assert "Mistakes that a run with Zhao 2019 optical IMU may not show" in said
+    assert "Gyro: azimuths counted the other way" in said
+
+
 # ---- round trip ----------------------------------------------------------------------
 
 SEEDS = 200
