@@ -581,7 +581,7 @@ def mistakes_of(
             for k, one in enumerate(windows)
         ),
     )
-    yield from _of_axes()
+    yield from of_axes()
     yield from of_units(owner, sample_rate)
     for k, one in enumerate(windows):
         yield from _of_window(numbers[k], k, one)
@@ -624,7 +624,7 @@ def moved_to(place: Place, latitude: float) -> Place:
     return replace(place, latitude=latitude, gravity=gravity)
 
 
-def _of_axes() -> Iterator[Mistake]:
+def of_axes() -> Iterator[Mistake]:
     """Yield axes that are exchanged, rotated or reversed."""
     eye = np.eye(3)
     for order in permutations(range(3)):

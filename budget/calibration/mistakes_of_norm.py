@@ -22,6 +22,7 @@ from budget.calibration.mistakes import (
     LooksLike,
     Mistake,
     likeliest,
+    of_axes,
     of_units,
     prior_of,
     seen_with,
@@ -201,6 +202,7 @@ class NormRun:
                 name="gravity", what=(("value", STANDARD_GRAVITY),), place=standard
             ),
             *of_units(self.owner, self.sample_rate),
+            *of_axes(),
         )
 
     def is_seen(self, mistake: Mistake) -> bool:
@@ -242,7 +244,7 @@ class NormRun:
             method="bounded",
             options={"xatol": CONVERGED},
         )
-        every = [*self.known, of(float(best.x))]
+        every = [*filter(self.is_seen, self.known), of(float(best.x))]
         found = [(*self.fit(one), one) for one in every]
         return likeliest(sound, [*found, *self._moved(sound)])
 
