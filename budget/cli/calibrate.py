@@ -83,6 +83,15 @@ def calibrate(
             metavar="YYYY-MM-DD", help="Day of the run.", show_default=False
         ),
     ] = "",
+    to: Annotated[
+        str | None,
+        options.written(
+            "--to",
+            metavar="<python|c|yaml>",
+            help="Print the correction as code, with its units.",
+            show_default=False,
+        ),
+    ] = None,
     asked: Asked,
     out: options.OutputFiles,
 ) -> None:
@@ -95,12 +104,16 @@ def calibrate(
     or a limit is missed.
     """
     from budget.cli.output import check_destinations, hand_out, pages_asked
+    from budget.errors import CallError
     from budget.inputs import load_device
     from budget.recordings.calibrate import calibrate as find
     from budget.report.calibrated import calibrate_answer, calibrate_document
+    from budget.report.correction import CORRECTIONS, correction_code
     from budget.report.document import json_text, table_csv
     from budget.report.rendering import check_suffixes
 
+    if to is not None and to not in CORRECTIONS:
+        raise CallError(f"--to {to}: allowed are {', '.join(CORRECTIONS)}")
     check_suffixes(out.output, out.paper)
     check_destinations(
         out.json,
@@ -121,11 +134,14 @@ def calibrate(
         asked=asked,
     )
     make = partial(calibrate_document, found)
+    documents = [
+        (out.json, lambda: json_text(found.to_dict())),
+        (out.csv, lambda: table_csv("calibrated_output", found.outputs)),
+    ]
+    if to is not None:
+        documents.append((options.STDOUT, lambda: correction_code(found, to=to)))
     hand_out(
-        [
-            (out.json, lambda: json_text(found.to_dict())),
-            (out.csv, lambda: table_csv("calibrated_output", found.outputs)),
-        ],
+        documents,
         lambda: calibrate_answer(found),
         pages=pages_asked(context, out, make),
         language=out.language,

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from budget.model.windows import Window
 
 WINDOW, DURATION, START, END = "window", "duration", "start", "end"
-MOST_ROWS = 40_000_000  # of a recording that is kept whole
+MOST_ROWS = 10_000_000  # of a recording that is kept whole: some 3 GB
 MOST_BYTES = 16 * 1024 * 1024  # of a table of windows
 LOOK = 0.25  # s over which it is quiet or not, and that ends of rests are trimmed by
 QUIET = 4.0  # times the lower decile of the scatter [1]

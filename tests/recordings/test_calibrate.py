@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
+import yaml
 from calibration.test_mistakes import MEMS
 from command_line import call
 from numpy.testing import assert_allclose
@@ -290,6 +293,38 @@ def test_validate_says_before_what_a_run_may_not_show():
     said = " ".join(found.out.split())
     assert "Mistakes that a run with Zhao 2019 optical IMU may not show" in said
     assert "Gyro: azimuths counted the other way" in said
+
+
+def test_the_correction_gives_back_the_input(folder):
+    """As Python, C and YAML: what the unit read in a turn is the turn."""
+    words = ("calibrate", str(RUN), "--procedure", "zhao-2019", "--device", "zhao-2019")
+    own: dict = {}
+    exec(call(*words, "--to", "python").out, own)  # noqa: S102 - what is tested
+    reading = np.array([0.000542274525, 0.000900769801, 20.0021196])  # turn z+
+    earth = np.degrees(7.292115e-5) * np.sin(np.radians(34.2394))
+    assert_allclose(own["gyro"](reading), [0.0, 0.0, 20.0 + earth], rtol=0, atol=1e-4)
+    made = yaml.safe_load(call(*words, "--to", "yaml").out)
+    inverse, bias = (np.array(made["gyro"][key]) for key in ("inverse", "bias"))
+    assert_allclose(inverse @ (reading - bias), own["gyro"](reading), rtol=1e-12)
+    assert made["accelerometer"]["input"] == "m/s^2"
+    (folder / "c.h").write_text(call(*words, "--to", "c").out, encoding="utf-8")
+    if shutil.which("gcc"):
+        (folder / "c.c").write_text(
+            '#include <stdio.h>\n#include "c.h"\nint main(void) {\n'
+            f"double r[3] = {{{', '.join(map(repr, reading.tolist()))}}}, u[3];\n"
+            'gyro_correct(r, u); printf("%.17g %.17g %.17g", u[0], u[1], u[2]);\n'
+            "return 0; }\n",
+            encoding="utf-8",
+        )
+        subprocess.run(
+            ["gcc", "-std=c99", "-Wall", "-Werror", "-Wno-unused", "c.c", "-o", "c"],
+            check=True,
+        )
+        printed = subprocess.run(["./c"], check=True, capture_output=True).stdout
+        assert_allclose(
+            np.array(printed.split(), dtype=float), own["gyro"](reading), rtol=1e-9
+        )
+    assert call(*words, "--to", "cobol").code == 2
 
 
 # ---- round trip ----------------------------------------------------------------------
