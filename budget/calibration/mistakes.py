@@ -50,6 +50,7 @@ TOLD_APART = 9.2  # in -2 ln L: a hundred times as likely
 # a bias over the largest input [1].
 WIDE = {"scale_factor": 0.5, "mounting_angle": 0.2, "bias": 1.0}
 LEAST_U = 1e-12  # of what is known exactly, over the same
+ROUNDING = 1e-13  # of a correlation [1]
 EQUAL = 1e-9  # of the largest input, below which inputs are the same [1]
 MOST_WINDOWS = 400  # of which the covariance of all readings is kept
 MOST_PAIRS = 40  # windows of which every two may have been exchanged
@@ -266,16 +267,7 @@ class TriadRun:
         CallError
             Some readings have no uncertainty at all.
         """
-        size = np.sqrt(np.diag(self.covariance))
-        if not (size > 0.0).all():
-            raise CallError(
-                f"nothing that the {self.owner} is known by varies in these windows, "
-                "so that no reading can be held against another; give its noise "
-                f"({self.owner}.errors)"
-            )
-        scaled = self.covariance / np.outer(size, size)
-        scaled[np.diag_indices_from(scaled)] += EQUAL * EQUAL
-        return np.asarray(size[:, None] * np.linalg.cholesky(scaled))
+        return root_of(self.covariance, self.owner)
 
     @cached_property
     def columns(self) -> Array:
@@ -513,6 +505,33 @@ class TriadRun:
             seen_with(by_prior, self.prior.degrees_of_freedom),
             seen_with(by_residual, self.residual.degrees_of_freedom),
         )
+
+
+def root_of(covariance: Array, owner: str) -> Array:
+    """Return the Cholesky root of a covariance, to rounding of correlations.
+
+    Raises
+    ------
+    CallError
+        Some readings have no uncertainty at all.
+    """
+    size = np.sqrt(np.diag(covariance))
+    if not (size > 0.0).all():
+        raise CallError(
+            f"nothing that the {owner} is known by varies in these windows, so that no "
+            f"reading can be held against another; give its noise ({owner}.errors)"
+        )
+    scaled = covariance / np.outer(size, size)
+    for least in (EQUAL * EQUAL, ROUNDING, EQUAL):  # of correlations that are 1
+        scaled[np.diag_indices_from(scaled)] += least
+        try:
+            return np.asarray(size[:, None] * np.linalg.cholesky(scaled))
+        except np.linalg.LinAlgError:
+            continue
+    raise CallError(
+        f"the readings of the {owner} are one and the same in these windows, so that "
+        f"none can be held against another; give its noise ({owner}.errors)"
+    )
 
 
 def likeliest(

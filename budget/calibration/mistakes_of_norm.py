@@ -25,6 +25,7 @@ from budget.calibration.mistakes import (
     of_axes,
     of_units,
     prior_of,
+    root_of,
     seen_with,
 )
 from budget.calibration.schemes.covariance import joint_covariance
@@ -136,13 +137,12 @@ class NormRun:
     @cached_property
     def root(self) -> Array:
         """Cholesky root of the covariance."""
-        return np.asarray(np.linalg.cholesky(self.covariance))
+        return root_of(self.covariance, self.owner)
 
     @cached_property
     def whole_root(self) -> Array:
         """Cholesky root of V."""
-        V = self.covariance + self.spread @ self.spread.T
-        return np.asarray(np.linalg.cholesky(V))
+        return root_of(self.covariance + self.spread @ self.spread.T, self.owner)
 
     def _at_nominal(self, gravity: float, off: Array) -> Array:
         """Return F of the nominal values, over the root of V."""

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 
 EXIT_MOVED = 1
+MOST_DEVICES = 3  # beside which it is said what runs may not show
 SUFFIX = ".json"
 
 SchemaKind = Literal[
@@ -275,7 +276,8 @@ def validate(
 ) -> None:
     """Check files and say everything that is wrong in them, with positions.
 
-    Of a procedure beside a device it says which mistakes of a run they may not show.
+    Of a procedure beside up to three devices it says which mistakes of a run with one
+    may not be seen.
     """
     from budget.cli.output import printing
     from budget.errors import SpecError
@@ -335,7 +337,7 @@ def _show_procedure(name: str, devices: Sequence[Device]) -> None:
             *schedule_sections(procedure, there),
             *(
                 unseen_section(unseen_mistakes(one, procedure), device=one.name)
-                for one in devices
+                for one in (devices if len(devices) <= MOST_DEVICES else ())
             ),
         ]
     )

@@ -497,9 +497,16 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     """
     read, how, there = given.read, given.how, given.there
     made = _Made.of(triads, there, given.unit)
-    sound = {
-        one.sensor.kind: _run(one, there) for one in triads if given.unit is not None
-    }
+    sound: dict[str, TriadRun | NormRun] = {}
+    untold: list[str] = []
+    for one in triads if given.unit is not None else ():
+        run = _run(one, there)
+        try:
+            run.is_sound  # noqa: B018 - asked once, and kept
+        except CallError as error:  # of a triad that nothing varies of
+            untold.append(sentence("calibrations.untold", why=str(error)))
+        else:
+            sound[one.sensor.kind] = run
     looks = [_suspicion(kind, run) for kind, run in sound.items() if not run.is_sound]
     suspicions = tuple(one for one in looks if one is not None)
     windows = tuple(
@@ -530,7 +537,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
             *how.assumptions,
             sentence("calibrations.as_tested"),
         ),
-        warnings=tuple(_warnings(given, triads)),
+        warnings=(*_warnings(given, triads), *untold),
         least_p=SUSPECT,
     )
 

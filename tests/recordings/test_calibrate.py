@@ -327,6 +327,16 @@ def test_the_correction_gives_back_the_input(folder):
     assert call(*words, "--to", "cobol").code == 2
 
 
+def test_a_triad_without_noise_is_calibrated_and_its_soundness_not_told(folder):
+    """Of the other it is told; what nobody knows is said."""
+    sheet = {**MEMS, "accelerometer": {"errors": {"bias_repeatability": "5 mg"}}}
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    found = calibrate(written(folder, made), procedure="six.yaml", device=sheet)
+    assert [one.sensor for one in found.chi_square] == ["gyro"]
+    assert any("soundness is not told" in str(one) for one in found.warnings)
+    assert {one.sensor for one in found.outputs} == {"gyro", "accelerometer", "imu"}
+
+
 # ---- round trip ----------------------------------------------------------------------
 
 SEEDS = 200
