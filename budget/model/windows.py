@@ -128,7 +128,7 @@ class Setting:
     @property
     def turn_axis(self) -> Array:
         """Axis of the turn in body axes, shape (3,); zeros where nothing turns."""
-        return self.turn_axis_after(len(CHAIN))
+        return _turn_axis(self)
 
     @property
     def angles(self) -> tuple[float, float, float]:
@@ -148,6 +148,12 @@ def _to_body(setting: Setting) -> Array:
     """Return the mean matrix of a setting, shape (3, 3); it is kept, and read only."""
     x, y, z = (setting.back(axis) for axis in range(3))
     return _kept(x @ y @ z)
+
+
+@lru_cache(maxsize=2048)
+def _turn_axis(setting: Setting) -> Array:
+    """Return the axis of a turn in body axes, shape (3,)."""
+    return _kept(setting.turn_axis_after(len(CHAIN)))
 
 
 @lru_cache(maxsize=2048)
