@@ -61,18 +61,21 @@ def diff(
 
     Two results of `budget calibrate --json` are two calibrations of a unit: what moved
     beyond its uncertainty and, with --procedure, whether that is the size of a known
-    mistake.
+    mistake. Beside a device file they are units of a lot: how much each parameter
+    spreads.
 
     --set changes the devices of the call as elsewhere; of a device beside itself it
     changes B: what does this value do?
     """
     from budget.cli.output import check_files, hand_out
     from budget.errors import CallError
+    from budget.inputs import load_device
     from budget.inputs.records import CHANGED
-    from budget.recordings.results import is_result
+    from budget.recordings.lot import lot_of
+    from budget.recordings.results import is_result, read_result
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
-    from budget.report.calibration_changes import change_answer
+    from budget.report.calibration_changes import calibrated_lot_answer, change_answer
     from budget.report.document import json_of, json_text, table_csv
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections
@@ -87,6 +90,19 @@ def diff(
                 (out.csv, lambda: table_csv("changed_parameter", change.parameters)),
             ],
             lambda: change_answer(change),
+            language=out.language,
+        )
+        return
+    if all(map(is_result, others)):
+        lot = lot_of(
+            load_device(first, inputs.changes), [read_result(one) for one in others]
+        )
+        hand_out(
+            [
+                (out.json, lambda: json_text(lot.to_dict())),
+                (out.csv, lambda: table_csv("lot_spread", lot.parameters)),
+            ],
+            lambda: calibrated_lot_answer(lot),
             language=out.language,
         )
         return

@@ -19,6 +19,7 @@ from budget.names import Name
 from budget.navigation.route import Outline
 from budget.recordings.calibrated import RecordedCalibration
 from budget.recordings.history import CalibrationHistory
+from budget.recordings.lot import CalibratedLot
 from budget.recordings.printed import MeasuredLot, MeasuredUnit
 from budget.recordings.records import Characterisation
 from budget.recordings.results import CalibrationChange
@@ -38,6 +39,7 @@ STUDIES = (
     RecordedCalibration,
     CalibrationChange,
     CalibrationHistory,
+    CalibratedLot,
     MeasuredUnit,
     MeasuredLot,
 )

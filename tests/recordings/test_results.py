@@ -9,10 +9,11 @@ import pytest
 from calibration.test_mistakes import MEMS
 from command_line import call
 from numpy.testing import assert_allclose
-from scipy.stats import norm
+from scipy.stats import chi2, norm
 
 from budget.errors import CallError, SpecError
-from budget.inputs import load_procedure
+from budget.inputs import load_device, load_procedure
+from budget.recordings.lot import lot_of
 from budget.recordings.results import change_between, is_result, read_result
 
 SIX = "six-positions-and-turns"
@@ -89,6 +90,47 @@ def test_diff_says_it(folder):
     said = " ".join(call("diff", a, earth, "--procedure", SIX).out.split())
     assert "the change is the size of a mistake in earth.json" in said
     assert call("diff", a, earth, a).code == 2
+
+
+def units(folder, spread, n=6):
+    """Write results of a lot whose biases x spread by so much of what is printed."""
+    whole = json.loads((folder / "a.json").read_text(encoding="utf-8"))
+    rng = np.random.default_rng(7)
+    for k in range(n):
+        made = json.loads(json.dumps(whole)) | {"serial": str(k)}
+        for one in made["outputs"]:
+            size = spread if (one["parameter"], one["axis"]) == ("bias", "x") else 1.0
+            one["value"] = rng.normal() * size * (one["prior"] or 1.0)
+        path = folder / f"unit-{k}-{spread:g}.json"
+        path.write_text(json.dumps(made, indent=1), encoding="utf-8")
+        yield path
+
+
+def test_the_spread_of_a_lot_is_held_beside_what_is_printed(folder):
+    """One that is four times as wide is worse; the others are not."""
+    device = load_device(MEMS)
+    sound = lot_of(device, [read_result(one) for one in units(folder, 1.0)])
+    assert len(sound.parameters) == 24
+    assert not sound.worse
+    paths = [*units(folder, 4.0)]
+    found = lot_of(device, [read_result(one) for one in paths])
+    assert {(one.parameter, one.axis) for one in found.worse} == {("bias", "x")}
+    one = next(x for x in found.parameters if (x.parameter, x.axis) == ("bias", "x"))
+    assert_allclose(one.printed, 200.0, rtol=1e-9)
+    values = [
+        read_result(x).values[read_result(x).keys.index(("gyro", "bias", "x"))]
+        for x in paths
+    ]
+    s = np.std(values, ddof=1)
+    assert_allclose(one.p, chi2.sf(5 * s**2 / 200.0**2, 5), rtol=0.01)
+    # Of six s x 0.6242 to s x 2.4526, as of a repeatability.
+    ends = (one.spread_low, one.spread_high)
+    assert_allclose(ends, s * np.array([0.6242, 2.4526]), rtol=2e-3)
+    said = call("diff", str(folder / "mems.yaml"), *map(str, paths))
+    assert said.code == 0
+    assert "spread more than is printed" in said.out
+    with pytest.raises(CallError, match="are of one unit"):
+        lot_of(device, [read_result(paths[0])] * 2)
 
 
 @pytest.mark.parametrize(

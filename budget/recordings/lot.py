@@ -1,0 +1,214 @@
+"""Calibrations of several units beside their data sheet: the spread of a lot.
+
+Of n units whose values scatter by s about their mean, (n - 1) s^2/u^2 is chi-square
+with n - 1 degrees of freedom where u is the tolerance printed for them with what each
+value is not known to: its upper tail is p, its quantiles give the interval of the
+spread.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from budget.calibration.mistakes import prior_of
+from budget.documents import Documented, written
+from budget.errors import CallError
+from budget.model.source import GYRO
+from budget.names import PARAMETERS, Name, parameters_of
+from budget.recordings.results import LEVEL
+from budget.results import InputFile, input_files
+from budget.sentences import sentence
+from budget.units import STANDARD_GRAVITY, size_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from budget.inputs.records import Device
+    from budget.recordings.results import CalibrationResult, Key
+
+WORSE, WITHIN, NOT_PRINTED = "worse", "within", "not_printed"
+LEAST = 2  # units of which there is a spread
+
+
+@written(
+    "lot_spread",
+    """
+    sensor: 'gyro' or 'accelerometer'
+    parameter
+    axis
+    unit
+    units [1]: how many there are
+    mean [unit]
+    spread [unit]: standard deviation of the units, less what their values are not known
+      to
+    spread_low [unit]: of its interval at 95 %
+    spread_high [unit]
+    printed [unit]: standard uncertainty by the data sheet; null where it gives none
+    p [1]: probability of as large a spread in a lot as printed; likewise
+    standing: 'within', 'worse' where p is below 5 % over all, or 'not_printed'
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class LotSpread(Documented):
+    """One parameter over the units of a lot."""
+
+    sensor: str
+    parameter: str
+    axis: str
+    unit: str
+    units: int
+    mean: float
+    spread: float
+    spread_low: float
+    spread_high: float
+    printed: float | None
+    p: float | None
+    standing: str
+
+
+@written(
+    "calibrated_lot",
+    """
+    title: name of the data sheet
+    units (list[str]): serial numbers, or names of results
+    inputs by role as file
+    level [1]: below which p is worse, 5 % over all that are printed
+    parameters
+    warnings
+    """,
+    commands="diff",
+)
+@dataclass(frozen=True, kw_only=True, repr=False)
+class CalibratedLot(Documented):
+    """Units of a lot, calibrated, beside their data sheet."""
+
+    title: str
+    units: tuple[str, ...]
+    inputs: tuple[InputFile, ...]
+    level: float
+    parameters: tuple[LotSpread, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def worse(self) -> tuple[LotSpread, ...]:
+        """Parameters that spread more than printed."""
+        return tuple(one for one in self.parameters if one.standing == WORSE)
+
+
+def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLot:
+    """Hold calibrations of several units beside their data sheet.
+
+    Runs that were not sound are left out.
+
+    Raises
+    ------
+    CallError
+        They are fewer than two, of one unit, or have no parameter of the device.
+    """
+    sound = [one for one in results if one.is_sound is not False]
+    units = [one.serial or one.name for one in sound]
+    if len(sound) < LEAST:
+        raise CallError("fewer than two units were calibrated by a sound run")
+    if len({*units}) < len(units):
+        raise CallError(
+            "some results are of one unit; of a unit over time ask `budget history`"
+        )
+    known = _printed(device)
+    keys = [
+        key
+        for key in sound[0].keys
+        if key[1] in PARAMETERS and key in known and all(key in x.keys for x in sound)
+    ]
+    if not keys:
+        raise CallError(f"the results have no parameter of {device.name} in common")
+    number = sum(known[key] is not None for key in keys)
+    level = LEVEL / max(number, 1)
+    unsound = [one.name for one in results if one not in sound]
+    return CalibratedLot(
+        title=device.name,
+        units=tuple(units),
+        inputs=(
+            *input_files((device,)),
+            *(
+                InputFile(role=f"result {k}", name=one.name, sha256=one.sha256)
+                for k, one in enumerate(results, start=1)
+            ),
+        ),
+        level=level,
+        parameters=tuple(_spread(key, sound, known[key], level) for key in keys),
+        warnings=tuple(sentence("calibrations.unsound", name=x) for x in unsound),
+    )
+
+
+def _printed(device: Device) -> dict[Key, float | None]:
+    """Return how well each parameter is known by the data sheet [SI]; None if not."""
+    found: dict[Key, float | None] = {}
+    for sensor in device.sensors:
+        largest = 1.0 if sensor.kind == GYRO else STANDARD_GRAVITY
+        prior = prior_of(sensor, largest)
+        for name, u, is_known in zip(
+            parameters_of(sensor.kind), prior.u, prior.is_known, strict=True
+        ):
+            found[_key(name)] = float(u) if is_known else None
+    return found
+
+
+def _key(name: Name) -> Key:
+    """Return a parameter as results have it."""
+    return name.owner, name.quantity, name.axis
+
+
+def _spread(
+    key: Key, results: Sequence[CalibrationResult], printed: float | None, level: float
+) -> LotSpread:
+    """Return one parameter over the units.
+
+    Raises
+    ------
+    CallError
+        It is in several units of measurement.
+    """
+    from scipy.special import chdtrc, chdtri
+
+    sensor, parameter, axis = key
+    pairs = [(one, one.keys.index(key)) for one in results]
+    named = {one.units[k] for one, k in pairs}
+    if len(named) > 1:
+        raise CallError(
+            f"{sensor} {parameter} {axis} is in {' and in '.join(sorted(named))}; "
+            "calibrate all units with, or without, a gain"
+        )
+    unit = named.pop()
+    values = np.array([one.values[k] for one, k in pairs])
+    own = float(np.mean([one.covariance[k, k] for one, k in pairs]))
+    n = len(values)
+    square = float(values.var(ddof=1))
+    # Quantiles of (n - 1) s^2/u^2; what values are not known to is no spread.
+    ends = [
+        sqrt(max((n - 1) * square / float(chdtri(n - 1, q)) - own, 0.0))
+        for q in (0.025, 0.975)
+    ]
+    told = None
+    p = None
+    if printed is not None and "counts" not in unit:
+        told = printed / size_of(unit)
+        p = float(chdtrc(n - 1, (n - 1) * square / (told**2 + own)))
+    standing = NOT_PRINTED if p is None else WORSE if p < level else WITHIN
+    return LotSpread(
+        sensor=sensor,
+        parameter=parameter,
+        axis=axis,
+        unit=unit,
+        units=n,
+        mean=float(values.mean()),
+        spread=sqrt(max(square - own, 0.0)),
+        spread_low=ends[0],
+        spread_high=ends[1],
+        printed=told,
+        p=p,
+        standing=standing,
+    )
