@@ -10,7 +10,8 @@ the estimate by the readings, J s^2 J'.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot, inf, sqrt
+from datetime import date as Day  # noqa: N812 - one word with one meaning
+from math import hypot, inf, log, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,6 +78,7 @@ STEP = 1e-4  # of readings over the largest, that the estimate is differentiated
 SHOWN = 0.95  # probability of being seen, below which a mistake may be missed [1]
 WORST = 3  # windows that are named
 TINY = 1e-9  # of a reading's uncertainty, below which nothing can be left of it [1]
+SAME_PACE = 1.25  # of lengths of windows over planned ones [1]
 HALF = 0.5  # of a nominal scale factor, from which it is none [1]
 AS_TESTED, SCALE_FACTOR = "as_tested", "scale_factor"
 
@@ -234,6 +236,9 @@ def calibrate(
             "give another procedure or recording"
         )
     wanted = inputs.required
+    _check_limits(wanted)
+    if date:
+        _check_date(date)
     given = GivenOfRun(
         read=read,
         recordings=recordings,
@@ -246,6 +251,37 @@ def calibrate(
         date=date,
     )
     return _put_together(given, triads)
+
+
+def _check_limits(wanted: Requirement | None) -> None:
+    """Refuse limits on other errors than those of the values during the run.
+
+    Raises
+    ------
+    CallError
+        They are.
+    """
+    if wanted is not None and wanted.reference != AS_TESTED:
+        raise CallError(
+            f"{wanted.name} limits errors of reference {wanted.reference}, and a "
+            "recorded calibration knows its values against those during the run; give "
+            f"limits of 'reference: {AS_TESTED}', or ask `budget analyze "
+            "--requirement` of the device"
+        )
+
+
+def _check_date(date: str) -> None:
+    """Refuse a day that is none.
+
+    Raises
+    ------
+    CallError
+        It is none.
+    """
+    try:
+        Day.fromisoformat(date)
+    except ValueError:
+        raise CallError(f"date is {date!r}, expected one as 2026-05-31") from None
 
 
 def _triads(
@@ -513,7 +549,11 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         row for one in triads for row in _windows(one, read, sound.get(one.sensor.kind))
     )
     named = {one.mistake.sensor for one in suspicions}
-    lost = [k for k, run in sound.items() if not run.is_sound and k not in named]
+    lost = [
+        kind
+        for kind, run in sound.items()
+        if run.residual.p < SUSPECT and kind not in named
+    ]
     return RecordedCalibration(
         title=given.unit.name if given.unit else read.name,
         serial=given.serial,
@@ -674,6 +714,16 @@ def unseen_mistakes(device: Device, procedure: Procedure) -> UnseenMistakes:
     return UnseenMistakes(unseen=tuple(found))
 
 
+def _pace(read: RecordedWindows, procedure: Procedure) -> float:
+    """Return how much longer turns took than planned, the median; dwells without any.
+
+    A dwell is found as long as the unit rested.
+    """
+    pairs = list(zip(read.windows, windows_of(procedure), strict=True))
+    turns = [(one, other) for one, other in pairs if other.sense] or pairs
+    return float(np.median([one.length / other.length for one, other in turns]))
+
+
 def _windows(
     triad: _Triad, read: RecordedWindows, run: TriadRun | NormRun | None
 ) -> Iterator[RunWindow]:
@@ -732,7 +782,8 @@ def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...
         for one in windows
         if one.sensor in kinds and one.z is not None
     ]
-    return tuple(number for _, number in sorted(sizes, reverse=True)[:WORST])
+    found = dict.fromkeys(number for _, number in sorted(sizes, reverse=True))
+    return tuple(found)[:WORST]
 
 
 def _units(triads: Sequence[_Triad], output: Output) -> tuple[str, float]:
@@ -895,7 +946,18 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
         if (np.abs(one.scale_factor - 1.0) > HALF).any()
     ]
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
+    missing = [
+        one.kind
+        for one in (unit.sensors if unit else ())
+        if one.kind not in read.means and calibrates(one.kind, how)
+    ]
+    ratio = _pace(read, how)
     rows = [
+        (missing, sentence("calibrations.not_recorded", sensors=missing)),
+        (
+            abs(log(ratio)) > log(SAME_PACE),
+            sentence("calibrations.other_lengths", ratio=ratio),
+        ),
         (unit is None, sentence("calibrations.no_device")),
         (unit is not None and not how.station, sentence("calibrations.no_station")),
         (unit and lacks, sentence("calibrations.lacks", names=lacks)),

@@ -61,7 +61,7 @@ class CalibrationResult:
     name : str
         Of its file.
     sha256 : str
-    title, serial, date : str
+    title, serial, date, procedure : str
     is_sound : bool or None
     keys : tuple of (str, str, str)
         Sensor, parameter and axis of each value.
@@ -77,6 +77,7 @@ class CalibrationResult:
     title: str
     serial: str
     date: str
+    procedure: str
     is_sound: bool | None
     keys: tuple[Key, ...]
     units: tuple[str, ...]
@@ -140,6 +141,7 @@ def _result(name: str, data: bytes) -> CalibrationResult:
         title=str(document["title"]),
         serial=str(document["serial"]),
         date=str(document["date"]),
+        procedure=str(document.get("procedure", "")),
         is_sound=document["is_sound"],
         keys=tuple(
             (str(x["sensor"]), str(x["parameter"]), str(x["axis"])) for x in rows
@@ -279,6 +281,11 @@ def change_between(
             else []
         ),
         *([sentence("calibrations.no_procedure")] if procedure is None else []),
+        *(
+            sentence("calibrations.other_procedure", name=one.name, own=one.procedure)
+            for one in (first, second)
+            if procedure is not None and one.procedure not in {"", procedure.name}
+        ),
     ]
     return CalibrationChange(
         first=first.name,

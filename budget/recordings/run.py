@@ -56,6 +56,7 @@ MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
 LEAST_SAMPLES = 3  # of a window
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
+MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
 ELSEWHERE = 10.0  # price of such a rest
 
 
@@ -942,7 +943,8 @@ def _price(segment: _Segment, windows: Sequence[Window], unit: float) -> float:
     price = abs(log(segment.length / sum(one.length for one in windows)))
     if window.sense:
         off = abs(segment.angle / unit / abs(window.setting.angle) - 1.0)
-        return price if off <= SAME_TURN and segment.is_back else inf
+        is_it = off <= SAME_TURN and segment.is_back and price <= MOST_PACE
+        return price if is_it else inf
     return price
 
 

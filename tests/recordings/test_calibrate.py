@@ -337,6 +337,30 @@ def test_a_triad_without_noise_is_calibrated_and_its_soundness_not_told(folder):
     assert {one.sensor for one in found.outputs} == {"gyro", "accelerometer", "imu"}
 
 
+def test_limits_on_other_errors_are_refused():
+    """Of the next turn-on, say: the run does not know it, and so nothing is met."""
+    words = ("calibrate", str(RUN), "--procedure", "zhao-2019", "--device", "zhao-2019")
+    found = call(*words, "--requirement", "navigation-grade")
+    assert found.code == 2
+    assert "reference next_turn_on" in found.err
+    assert call(*words, "--date", "2026-02-30").code == 2
+
+
+def test_a_triad_that_is_not_recorded_is_said(folder):
+    """Sound, and half of the device is not calibrated; another pace is said too."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",")[:5] for x in "".join(made.csv()).splitlines()]
+    for row in rows[1:]:
+        row[1] = f"{2.0 * float(row[1]):g}"
+    (folder / "g.csv").write_text(
+        "".join(",".join(row) + "\n" for row in rows), encoding="utf-8"
+    )
+    found = calibrate("g.csv", procedure="six.yaml", device="mems.yaml")
+    said = [str(one) for one in found.warnings]
+    assert any("not recorded, and so not calibrated: accelerometer" in x for x in said)
+    assert any("windows took 2 times as long as in the procedure" in x for x in said)
+
+
 # ---- round trip ----------------------------------------------------------------------
 
 SEEDS = 200
@@ -427,7 +451,8 @@ def test_a_run_needs_its_procedure():
 def test_a_limit_that_is_missed_is_exit_1(tmp_path):
     """Values are written all the same; what is not known well enough is said."""
     (tmp_path / "r.yaml").write_text(
-        "name: tight\nlimits:\n  gyro:\n    bias: 0.01 deg/h\n", encoding="utf-8"
+        "name: tight\nreference: as_tested\nlimits:\n  gyro:\n    bias: 0.01 deg/h\n",
+        encoding="utf-8",
     )
     words = ("calibrate", str(RUN), "--procedure", "zhao-2019", "--device", "zhao-2019")
     found = call(*words, "--requirement", str(tmp_path / "r.yaml"))
