@@ -101,7 +101,7 @@ def calibrate(
     Values come with uncertainties; with a device the run is held against its data
     sheet, and where it is not sound the likeliest known mistake is named. -o
     certificate.html or .pdf writes a certificate. Exit code 1: the run is not sound,
-    or a limit is missed.
+    or a limit is missed or cannot be judged.
     """
     from budget.cli.output import check_destinations, hand_out, pages_asked
     from budget.errors import CallError
@@ -146,5 +146,5 @@ def calibrate(
         pages=pages_asked(context, out, make),
         language=out.language,
     )
-    if found.is_sound is False or found.missed:
+    if found.is_sound is False or found.missed or found.is_open:
         raise typer.Exit(options.EXIT_NOT_MET)

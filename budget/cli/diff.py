@@ -75,7 +75,7 @@ def diff(
     from budget.recordings.results import is_result, read_result
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
-    from budget.report.calibration_changes import calibrated_lot_answer, change_answer
+    from budget.report.calibrated import calibrated_lot_answer, change_answer
     from budget.report.document import json_of, json_text, table_csv
     from budget.report.reference.document import moved
     from budget.report.reference.sections import difference_sections

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
 
 from budget.documents import Shown, written
 from budget.errors import CallError
@@ -175,6 +177,19 @@ class Sensor:
     initial: tuple[ErrorLine, ...] = ()
     range: Array | None = None
     range_printed: str = ""
+
+    @classmethod
+    def bare(cls, kind: str) -> Self:
+        """Return a triad of which nothing is known: nominal, without lines."""
+        return cls(
+            kind=kind,
+            device="",
+            nominal_bias=np.zeros(3),
+            nominal_mounting_angle=np.zeros(6),
+            lines=(),
+            not_given=(),
+            expected_missing=(),
+        )
 
     def line(self, name: str) -> ErrorLine | None:
         """Return the line of that name, or None where the data sheet has none."""

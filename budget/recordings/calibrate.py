@@ -302,7 +302,7 @@ def _triads(
             continue
         if kind == GYRO and is_beside(procedure):
             continue
-        sensor = there.get(kind) or bare_sensor(kind)
+        sensor = there.get(kind) or Sensor.bare(kind)
         own = [k for k, one in enumerate(read.windows) if one.use in {kind, "both"}]
         readings = read.means[kind][:, own]
         if not np.isfinite(readings).all():
@@ -314,19 +314,6 @@ def _triads(
             )
         scheme = schemes_of([sensor], procedure)[kind]
         yield _triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
-
-
-def bare_sensor(kind: str) -> Sensor:
-    """Return a triad of which nothing is known."""
-    return Sensor(
-        kind=kind,
-        device="",
-        nominal_bias=np.zeros(3),
-        nominal_mounting_angle=np.zeros(6),
-        lines=(),
-        not_given=(),
-        expected_missing=(),
-    )
 
 
 def _triad(
@@ -534,13 +521,14 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     read, how, there = given.read, given.how, given.there
     made = _Made.of(triads, there, given.unit)
     sound: dict[str, TriadRun | NormRun] = {}
-    untold: list[str] = []
+    untold: dict[str, str] = {}
     for one in triads if given.unit is not None else ():
         run = _run(one, there)
         try:
             run.is_sound  # noqa: B018 - asked once, and kept
         except CallError as error:  # of a triad that nothing varies of
-            untold.append(sentence("calibrations.untold", why=str(error)))
+            kind = one.sensor.kind
+            untold[kind] = sentence("calibrations.untold", why=str(error))
         else:
             sound[one.sensor.kind] = run
     looks = [_suspicion(kind, run) for kind, run in sound.items() if not run.is_sound]
@@ -577,8 +565,10 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
             *how.assumptions,
             sentence("calibrations.as_tested"),
         ),
-        warnings=(*_warnings(given, triads), *untold),
+        warnings=(*_warnings(given, triads), *untold.values()),
         least_p=SUSPECT,
+        untold=tuple(untold),
+        lacks=_lacks(given, triads),
     )
 
 
@@ -934,11 +924,18 @@ def _files(given: GivenOfRun) -> Iterator[InputFile]:
     yield from input_files(there, procedure=given.how, requirement=given.requirement)
 
 
+def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:
+    """Return what a data sheet does not give and would add to uncertainties."""
+    if given.unit is None:
+        return ()
+    return tuple(x for one in triads for x in one.sensor.expected_missing)
+
+
 def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
     """Yield what has to be said of a run besides."""
     read, how, unit = given.read, given.how, given.unit
     left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
-    lacks = [x for one in triads for x in one.sensor.expected_missing]
+    lacks = _lacks(given, triads)
     far = [
         Name(SCALE_FACTOR, owner=one.sensor.kind)
         for one in triads
@@ -960,7 +957,7 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
         ),
         (unit is None, sentence("calibrations.no_device")),
         (unit is not None and not how.station, sentence("calibrations.no_station")),
-        (unit and lacks, sentence("calibrations.lacks", names=lacks)),
+        (lacks, sentence("calibrations.lacks", names=lacks)),
         (given.there.formulas != how.formulas, sentence("calibrations.other_times")),
         *(
             (one.has_counts, sentence("calibrations.counts", sensor=one.sensor.kind))

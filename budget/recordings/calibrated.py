@@ -9,6 +9,7 @@ from budget.documents import Documented, written
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.names import Name
     from budget.results import InputFile
 
 
@@ -251,7 +252,9 @@ class PassedOver(Documented):
     estimator: by which values were found
     coverage [1]: of the intervals
     inputs by role as file
-    is_sound or null: whether chi-squares are as they should be; null without a device
+    is_sound or null: whether chi-squares are as they should be; null where of some
+      triad nothing says it
+    lower_bound = lacks (bool): whether lines that are not given would add to u
     outputs
     covariance (list[list[float]]) [units of the outputs]
     matrix by sensor as compensation_matrix
@@ -269,7 +272,15 @@ class PassedOver(Documented):
 )
 @dataclass(frozen=True, kw_only=True, repr=False)
 class RecordedCalibration(Documented):
-    """A unit as it was calibrated by a recorded run."""
+    """A unit as it was calibrated by a recorded run.
+
+    Attributes
+    ----------
+    untold : tuple of str
+        Triads whose soundness nothing tells.
+    lacks : tuple of Name
+        Lines that would add to uncertainties, and are not given.
+    """
 
     title: str
     serial: str
@@ -291,14 +302,22 @@ class RecordedCalibration(Documented):
     assumptions: tuple[str, ...]
     warnings: tuple[str, ...]
     least_p: float = 0.001
+    untold: tuple[str, ...] = ()
+    lacks: tuple[Name, ...] = ()
 
     @property
     def is_sound(self) -> bool | None:
         """Whether nothing is less likely than it may be; None where nothing says it."""
-        if not self.chi_square:
-            return None
         found = (*self.chi_square, *self.prior)
-        return min(one.p for one in found) >= self.least_p
+        if any(one.p < self.least_p for one in found):
+            return False
+        return True if found and not self.untold else None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether limits stand beside uncertainties that are lower bounds."""
+        has_limit = any(one.limit is not None for one in self.outputs)
+        return bool(self.lacks) and has_limit and not self.missed
 
     @property
     def missed(self) -> tuple[CalibratedOutput, ...]:

@@ -27,16 +27,17 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs.files import find
 from budget.inputs.reader import refuse
+from budget.inputs.records import Sensor
 from budget.journal import note_read
 from budget.model.source import SENSORS
 from budget.names import ANGLES, AXES, PARAMETERS
-from budget.recordings.calibrate import bare_sensor, mistake_row
+from budget.recordings.calibrate import mistake_row
 from budget.results import InputFile
 from budget.sentences import sentence
 from budget.units import size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
     from budget.inputs.files import File
@@ -344,7 +345,7 @@ def _looks(
             continue
         change, covariance = _of_triad(first, second, both)
         own = [k for k, one in enumerate(windows) if one.use in {kind, "both"}]
-        scheme = scheme_of(kind, as_recorded(procedure, windows), bare_sensor(kind))
+        scheme = scheme_of(kind, as_recorded(procedure, windows), Sensor.bare(kind))
         found = [
             (left, run, mistake)
             for mistake in mistakes_of(
@@ -405,11 +406,3 @@ def _made(scheme: Scheme, mistake: Any) -> Array | None:  # noqa: ANN401 - of mi
         [found.scale_factor - 1.0, found.mounting_angle, found.bias]
     )
     return values if np.isfinite(values).all() else None
-
-
-def described_changes(found: CalibrationChange) -> Mapping[str, list[ChangedParameter]]:
-    """Return parameters by their sensor."""
-    groups: dict[str, list[ChangedParameter]] = {}
-    for one in found.parameters:
-        groups.setdefault(one.sensor, []).append(one)
-    return groups

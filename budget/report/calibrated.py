@@ -1,10 +1,11 @@
-"""A recorded calibration: for a terminal, as a certificate, and as a file."""
+"""Recorded calibrations: one, as a certificate too; two of a unit; those of a lot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import groupby
 from math import floor, inf, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from budget.names import AXES, PARAMETERS, Name
 from budget.report.document import json_text
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
         CalibratedOutput,
         RecordedCalibration,
     )
+    from budget.recordings.lot import CalibratedLot
+    from budget.recordings.results import CalibrationChange
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget calibrate"
@@ -100,6 +103,25 @@ def calibrate_answer(found: RecordedCalibration) -> tuple[Section, ...]:
     return (
         *sections("calibrate", **_view(found)),
         *sections("assumptions", found=found),
+    )
+
+
+def change_answer(found: CalibrationChange) -> tuple[Section, ...]:
+    """Return what stands on a terminal of two: what moved, and what it looks like."""
+    return _beside("changed", found)
+
+
+def calibrated_lot_answer(found: CalibratedLot) -> tuple[Section, ...]:
+    """Return what stands on a terminal of a lot: its spread beside the data sheet."""
+    return _beside("calibrated_lot", found)
+
+
+def _beside(page: str, found: CalibrationChange | CalibratedLot) -> tuple[Section, ...]:
+    """Return a page of parameters by their sensor."""
+    parameters: Sequence[Any] = found.parameters
+    groups = groupby(parameters, key=lambda one: one.sensor)
+    return sections(
+        page, found=found, groups={key: [*own] for key, own in groups}, DASH=DASH
     )
 
 

@@ -391,15 +391,7 @@ def _ideal(blunder: Blunder) -> tuple[BlunderError, ...]:
 def _of_ideal(blunder: Blunder) -> tuple[BlunderError, ...]:
     """Return what it adds to triads without errors; () where none are calibrated."""
     sensors = [
-        Sensor(
-            kind=kind,
-            device="",
-            nominal_bias=np.zeros(3),
-            nominal_mounting_angle=np.zeros(6),
-            lines=(),
-            not_given=(),
-            expected_missing=(),
-        )
+        Sensor.bare(kind)
         for kind in SENSORS
         if calibrates(kind, blunder.used) and estimated(kind, blunder.used)
     ]

@@ -334,7 +334,35 @@ def test_a_triad_without_noise_is_calibrated_and_its_soundness_not_told(folder):
     found = calibrate(written(folder, made), procedure="six.yaml", device=sheet)
     assert [one.sensor for one in found.chi_square] == ["gyro"]
     assert any("soundness is not told" in str(one) for one in found.warnings)
+    assert found.is_sound is None
     assert {one.sensor for one in found.outputs} == {"gyro", "accelerometer", "imu"}
+
+
+def test_limits_beside_lower_bounds_are_not_decided(folder):
+    """A sheet without in-run bias: U is a lower bound, and nothing meets by it."""
+    (folder / "r.yaml").write_text(
+        "name: wide\nreference: as_tested\nlimits:\n  gyro:\n    bias: 100 deg/h\n",
+        encoding="utf-8",
+    )
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    written(folder, made)
+    sheet = {**MEMS, "gyro": {"errors": {**MEMS["gyro"]["errors"]}}}
+    del sheet["gyro"]["errors"]["bias_stability"]
+    (folder / "less.yaml").write_text(json.dumps(sheet), encoding="utf-8")
+    words = (
+        "calibrate",
+        "run.csv",
+        "--procedure",
+        "six.yaml",
+        "--requirement",
+        "r.yaml",
+    )
+    assert call(*words, "--device", "mems.yaml").code == 0
+    found = call(*words, "--device", "less.yaml", "--json", "a.json")
+    assert found.code == 1
+    assert "whether limits are met is not decided" in " ".join(found.out.split())
+    document = json.loads((folder / "a.json").read_text(encoding="utf-8"))
+    assert document["lower_bound"] is True
 
 
 def test_limits_on_other_errors_are_refused():
