@@ -30,6 +30,7 @@ if TYPE_CHECKING:
         Device,
         Mission,
         Procedure,
+        Recording,
         Requirement,
         Station,
     )
@@ -41,6 +42,7 @@ FILES = ("device", "procedure", "station", "mission", "requirement")
 NAMED = ("source", "output")
 UNTESTED = ("none", "factory")  # in the place of a procedure
 LONGEST_NUMBER = 20  # digits; longer ones cost time to read
+LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
 LEAST_TRIALS, MOST_TRIALS = 2, 100_000_000  # of a call and of stored references
 METHODS = ("gum", "monte-carlo", "simulation")
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
@@ -265,6 +267,28 @@ def _no_coverage(value: object) -> str:
     from budget.distributions import COVERAGES, is_coverage
 
     return "" if isinstance(value, Real) and is_coverage(float(value)) else COVERAGES
+
+
+def read_rate(text: str) -> float:
+    """Read a sampling rate: '200', '200 Hz', '1 kHz' [Hz].
+
+    Raises
+    ------
+    CallError
+        It is none.
+    """
+    from budget.units import parse_quantity
+
+    try:
+        rate = parse_quantity(text, "Hz", bare="Hz").value
+    except UnitError as error:
+        raise CallError(str(error)) from None
+    if not LEAST_RATE <= rate <= MOST_RATE:
+        raise CallError(
+            f"{text!r} is no sampling rate; give {LEAST_RATE:g} to {MOST_RATE:g} Hz, "
+            "as 200"
+        )
+    return rate
 
 
 def _time(text: str) -> float:
@@ -823,6 +847,59 @@ class Inputs(Use):
         ]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Recorded:
+    """How recordings are read, where they do not say it themselves."""
+
+    rate: float | None = setting(
+        None,
+        "Sampling rate, where no column of stamps says it.",
+        "characterise calibrate",
+        said="Of sampling, in the place of stamps [Hz].",
+        panel=JUDGED,
+        metavar="HZ",
+        read=read_rate,
+    )
+    columns: str | None = setting(
+        None,
+        "Heads in the place of those of the file, as 'time [s],gyro_x [deg/s],_': _ is "
+        "not read, - before a head reverses it.",
+        "characterise calibrate",
+        said="Heads in the place of those of the files, with commas between them.",
+        panel=JUDGED,
+        metavar="HEADS",
+    )
+    recording: Recording | File | None = setting(
+        None,
+        "Recording file that says of all of them what columns, gains and rate are.",
+        "characterise calibrate",
+        panel=JUDGED,
+        metavar="FILE.yaml",
+        takes="recording",
+    )
+
+    def load(self, *given: Recording | File) -> list[Recording]:
+        """Load recordings, each as it is to be read.
+
+        Raises
+        ------
+        CallError
+            One is a recording file itself, where another one is given.
+        SpecError
+            Everything that is wrong with a recording file.
+        """
+        from budget.inputs import load_recording
+        from budget.inputs.recording import with_columns
+
+        like = None if self.recording is None else load_recording(self.recording)
+        return [
+            with_columns(
+                load_recording(one), rate=self.rate, columns=self.columns, like=like
+            )
+            for one in given
+        ]
+
+
 # In documents, as the first of them had it; later ones follow.
 _FIRST = (
     *("method", "trials", "seed", "coverage", "interval", "reference", "formulas"),
@@ -854,7 +931,7 @@ def _listed(choices: Sequence[str]) -> str:
 written("settings", _document(), fills=fills)(Settings)
 
 
-RECORDS = {one.__name__: one for one in (Asked, Engine, Inputs)}
+RECORDS = {one.__name__: one for one in (Asked, Engine, Inputs, Recorded)}
 
 
 def asking(job: str) -> Callable[[Callable[..., T]], Callable[..., T]]:

@@ -9,8 +9,7 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.export import read_rate
-from budget.settings import Asked, Inputs
+from budget.settings import Asked, Inputs, Recorded
 
 
 @options.asking("calibrate")
@@ -36,32 +35,7 @@ def calibrate(
             show_default=False,
         ),
     ] = None,
-    rate: Annotated[
-        float | None,
-        options.judged(
-            parser=read_rate,
-            metavar="HZ",
-            help="Sampling rate, where no column of stamps says it.",
-            show_default=False,
-        ),
-    ] = None,
-    columns: Annotated[
-        str | None,
-        options.judged(
-            metavar="HEADS",
-            help="Heads in the place of those of the file, as 'time [s],gyro_x "
-            "[deg/s],_': _ is not read, - before a head reverses it.",
-            show_default=False,
-        ),
-    ] = None,
-    recording: Annotated[
-        Path | None,
-        options.judged(
-            metavar="FILE.yaml",
-            help="Recording file that says what columns, gains and rate are.",
-            show_default=False,
-        ),
-    ] = None,
+    recorded: Recorded,
     windows: Annotated[
         Path | None,
         options.judged(
@@ -119,14 +93,12 @@ def calibrate(
         out.json,
         out.csv,
         *out.output,
-        inputs=[*runs, recording, windows, device, *inputs.files],
+        inputs=[*runs, recorded.recording, windows, device, *inputs.files],
     )
     found = find(
         *runs,
         device=None if device is None else load_device(device, inputs.changes),
-        rate=rate,
-        columns=columns,
-        recording=recording,
+        recorded=recorded,
         windows=windows,
         serial=serial,
         date=date,

@@ -10,8 +10,8 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.export import NAMES, read_rate, read_target
-from budget.settings import Asked, Engine, Inputs
+from budget.cli.export import NAMES, read_target
+from budget.settings import Asked, Engine, Inputs, Recorded
 
 
 @options.asking("characterise")
@@ -28,33 +28,7 @@ def characterise(
         ),
     ],
     *,
-    rate: Annotated[
-        float | None,
-        options.judged(
-            parser=read_rate,
-            metavar="HZ",
-            help="Sampling rate, where no column of stamps says it.",
-            show_default=False,
-        ),
-    ] = None,
-    columns: Annotated[
-        str | None,
-        options.judged(
-            metavar="HEADS",
-            help="Heads in the place of those of the file, as 'time [s],gyro_x "
-            "[deg/s],_': _ is not read, - before a head reverses it.",
-            show_default=False,
-        ),
-    ] = None,
-    recording: Annotated[
-        Path | None,
-        options.judged(
-            metavar="FILE.yaml",
-            help="Recording file that says of all of them what columns, gains and "
-            "rate are.",
-            show_default=False,
-        ),
-    ] = None,
+    recorded: Recorded,
     attitude: Annotated[
         str | None,
         options.judged(
@@ -103,14 +77,15 @@ def characterise(
     pages = replace(out, output=[one for one in out.output if one not in files])
     check_suffixes(pages.output, out.paper)
     check_destinations(
-        out.json, out.csv, *out.output, inputs=[*logs, recording, *inputs.files]
+        out.json,
+        out.csv,
+        *out.output,
+        inputs=[*logs, recorded.recording, *inputs.files],
     )
     with computing(engine) as engine_told:
         found = find(
             *logs,
-            rate=rate,
-            columns=columns,
-            recording=recording,
+            recorded=recorded,
             attitude=attitude,
             inputs=inputs,
             engine=engine_told,

@@ -10,7 +10,7 @@ import typer
 
 from budget.cli import options
 from budget.resources import names_in
-from budget.settings import LONGEST_NUMBER, Asked, Inputs
+from budget.settings import LONGEST_NUMBER, Asked, Inputs, read_rate
 
 NAMES = tuple(names_in("templates", "export"))
 
@@ -36,25 +36,6 @@ def _factor(text: str) -> float:
         raise typer.BadParameter(
             f"{text!r} is no factor of standard deviations; give a number of "
             f"{LEAST_INFLATION:g} (none) to {MOST_INFLATION:g}, as 3"
-        )
-    return value
-
-
-def read_rate(text: str) -> float:
-    """Read a sampling rate: '200', '200 Hz', '1 kHz'."""
-    from budget.errors import UnitError
-    from budget.studies.export.study import LEAST_RATE, MOST_RATE
-    from budget.units import parse_quantity
-
-    value = _number(text)
-    try:
-        value = parse_quantity(text, "Hz").value if value is None else value
-    except UnitError as error:
-        raise typer.BadParameter(str(error)) from None
-    if not LEAST_RATE <= value <= MOST_RATE:
-        raise typer.BadParameter(
-            f"{text!r} is no sampling rate; give {LEAST_RATE:g} to {MOST_RATE:g} Hz, "
-            "as 200"
         )
     return value
 
@@ -104,7 +85,7 @@ def export(
     rate: Annotated[
         float | None,
         typer.Option(
-            parser=read_rate,
+            parser=options.reading(read_rate),
             metavar="HZ",
             help="Sampling rate, where the target counts by the sample.",
             show_default=False,

@@ -357,7 +357,10 @@ def given(context: typer.Context, *kinds: type) -> list[str]:
 def _option(row: Row) -> Parameter:
     """Return an option as typer takes it."""
     kind: Any = _TYPES.get(row.type.partition(" |")[0], str)
-    if row.takes in {*FILES, "page", "folder", "document"} and not row.words:
+    if (
+        row.takes in {*FILES, "recording", "page", "folder", "document"}
+        and not row.words
+    ):
         kind = Path
     if row.choices:
         kind = Literal[row.choices]
@@ -375,7 +378,7 @@ def _option(row: Row) -> Parameter:
         case_sensitive=False,
         min=None if row.read else row.least,
         max=None if row.read else row.most,
-        parser=row.read and _reading(row.read),
+        parser=row.read and reading(row.read),
         callback=_AT_ONCE.get(name),
         is_eager=row.takes == "folder",
         autocompletion=completing(row.takes, *row.words)
@@ -393,7 +396,7 @@ def _option(row: Row) -> Parameter:
     )
 
 
-def _reading(read: Callable[[str], Any]) -> Callable[[str], Any]:
+def reading(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """Return what reads a text as typer takes it."""
 
     def parse(text: str) -> Any:  # noqa: ANN401 - of any type

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from budget.cli import options
-from budget.cli.export import read_rate
-from budget.settings import Asked, Inputs
+from budget.settings import Asked, Inputs, read_rate
 
 if TYPE_CHECKING:
     from budget.recordings.simulated import SimulatedReadings
@@ -51,7 +50,7 @@ def simulate(
     rate: Annotated[
         float | None,
         options.judged(
-            parser=read_rate,
+            parser=options.reading(read_rate),
             metavar="HZ",
             help="Sampling rate (the procedure's).",
             show_default=False,

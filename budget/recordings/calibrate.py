@@ -34,9 +34,8 @@ from budget.calibration.schemes import (
     windows_of,
 )
 from budget.errors import BudgetError, CallError
-from budget.inputs import load_device, load_recording
+from budget.inputs import load_device
 from budget.inputs.files import find
-from budget.inputs.recording import with_columns
 from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
@@ -59,7 +58,7 @@ from budget.recordings.columns import COUNTS, LIKE
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
-from budget.settings import Asked, Inputs, asking
+from budget.settings import Asked, Inputs, Recorded, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
@@ -166,9 +165,7 @@ class _Triad:
 def calibrate(
     *runs: Recording | File,
     device: Device | File | None = None,
-    rate: float | None = None,
-    columns: str | None = None,
-    recording: Recording | File | None = None,
+    recorded: Recorded,
     windows: File | None = None,
     serial: str = "",
     date: str = "",
@@ -183,12 +180,6 @@ def calibrate(
         A table with a row of means for each window, or recordings one after the other.
     device : str, Path or Device, optional
         What the unit should be; without it uncertainties are those of the scatter.
-    rate : float, optional
-        Of sampling, in the place of stamps [Hz].
-    columns : str, optional
-        Heads in the place of those of the files, with commas between them.
-    recording : str, Path or Recording, optional
-        Recording file that says what the columns of all of them are.
     windows : str or Path, optional
         Table of when each window begins and ends.
     serial, date : str
@@ -210,11 +201,7 @@ def calibrate(
     how = inputs.calibrated()
     if how.formulas in UNCALIBRATED:
         raise CallError(f"{how.name} is no test of which a run could be recorded")
-    like = None if recording is None else load_recording(recording)
-    recordings = [
-        with_columns(load_recording(one), rate=rate, columns=columns, like=like)
-        for one in runs
-    ]
+    recordings = recorded.load(*runs)
     times = None
     if windows is not None:
         file = find(windows, "recording")

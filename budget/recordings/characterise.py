@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
-from budget.inputs import load_procedure, load_recording
-from budget.inputs.recording import with_columns
+from budget.inputs import load_procedure
 from budget.inputs.windows import FACES
 from budget.language import term
 from budget.methods.execution import in_order, local_executor
@@ -38,7 +37,7 @@ from budget.recordings.records import (
 )
 from budget.results import InputFile
 from budget.sentences import sentence
-from budget.settings import Engine, Inputs, asking
+from budget.settings import Engine, Inputs, Recorded, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
@@ -108,9 +107,7 @@ class Rest:
 @asking("characterise")
 def characterise(
     *logs: Recording | File,
-    rate: float | None = None,
-    columns: str | None = None,
-    recording: Recording | File | None = None,
+    recorded: Recorded,
     attitude: str | None = None,
     inputs: Inputs,
     engine: Engine,
@@ -121,12 +118,6 @@ def characterise(
     ----------
     *logs : str, Path or Recording
         Recordings, or recording files (YAML) that say what their columns are.
-    rate : float, optional
-        Of sampling, in the place of stamps [Hz].
-    columns : str, optional
-        Heads in the place of those of the files, with commas between them.
-    recording : str, Path or Recording, optional
-        Recording file that says it of all of them.
     attitude : str, optional
         How the unit rested, 'z up' or 'x down': with it and the place of a procedure
         the mean less the input is the bias.
@@ -146,11 +137,7 @@ def characterise(
     if not logs:
         raise CallError("no recording is given; name the file of one")
     rest = None if attitude is None else _rest(attitude, inputs)
-    like = None if recording is None else load_recording(recording)
-    recordings = [
-        with_columns(load_recording(one), rate=rate, columns=columns, like=like)
-        for one in logs
-    ]
+    recordings = recorded.load(*logs)
     runs = _read(recordings, engine)
     channels = _channels(recordings, runs)
     tasks = [

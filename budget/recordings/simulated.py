@@ -40,7 +40,7 @@ from budget.model.sources.processes import LOW_CUT, FlickerNoise, Stability
 from budget.model.windows import Timing, Window
 from budget.names import AXES, Name
 from budget.recordings.columns import CHANNELS, LIKE, TIME
-from budget.settings import Asked, Inputs, asking
+from budget.settings import LEAST_RATE, MOST_RATE, Asked, Inputs, asking
 from budget.units import parse_quantity, size_of
 
 if TYPE_CHECKING:
@@ -55,7 +55,6 @@ if TYPE_CHECKING:
 LEAST_SAMPLES, MOST_SAMPLES = 100, 1_000_000_000
 PIECE = 2**15  # samples that are made at a time
 NUMBER, STAMP = "%.9g", "%.12g"  # as they are written
-LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
 AT_REST = Window(name="at rest", start=0.0, length=np.inf)
 
 

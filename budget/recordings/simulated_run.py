@@ -33,14 +33,8 @@ from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Window
 from budget.names import AXES
 from budget.recordings.columns import LIKE
 from budget.recordings.run import DURATION, WINDOW
-from budget.recordings.simulated import (
-    LEAST_RATE,
-    MOST_RATE,
-    NUMBER,
-    STAMP,
-    SimulatedReadings,
-)
-from budget.settings import Asked, Inputs, asking
+from budget.recordings.simulated import NUMBER, STAMP, SimulatedReadings
+from budget.settings import LEAST_RATE, MOST_RATE, Asked, Inputs, asking
 from budget.units import parse_quantity, size_of
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
 from budget.question import sensors_of
 from budget.results import Study, input_files
-from budget.settings import Asked, Inputs, asking
+from budget.settings import LEAST_RATE, MOST_RATE, Asked, Inputs, asking
 from budget.studies.analysis import analyze
 from budget.studies.export.figures import Figure, KnownFigures, print_number
 from budget.studies.export.template import fill_in, find_target
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 CALIBRATED = {"bias", "total_bias", "scale_factor", "mounting_angle"}
 REFERENCE = "next_turn_on"  # what a calibration leaves is met at a later turn-on
 LEAST_INFLATION, MOST_INFLATION = 1.0, 1e6  # [1]
-LEAST_RATE, MOST_RATE = 1e-3, 1e9  # [Hz]
 
 
 @written(
