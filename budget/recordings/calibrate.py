@@ -56,6 +56,7 @@ from budget.recordings.calibrated import (
     UnseenMistake,
 )
 from budget.recordings.columns import COUNTS, LIKE
+from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
@@ -724,8 +725,10 @@ def _windows(
     own_unit, own_size = BIAS_UNITS[kind]
     left = triad.residuals
     z = None if run is None else left / _residual_u(triad, run)
+    own = read.health.get(kind)
     for k, number in enumerate(triad.numbers):
         window = read.windows[number - 1]
+        health = None if own is None else own[number - 1]
         yield RunWindow(
             window=number,
             name=window.name,
@@ -737,6 +740,12 @@ def _windows(
             residual=left[:, k] / own_size,
             residual_unit=own_unit,
             z=None if z is None else z[:, k],
+            gaps=health.gaps if health else None,
+            missing=health.missing if health else None,
+            saturated=health.saturated if health else (),
+            stuck=health.stuck if health else (),
+            outliers=health.outliers if health else (),
+            is_spoilt=health.is_spoilt if health else None,
         )
 
 
@@ -971,5 +980,51 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
             read.passed_over,
             sentence("calibrations.passed_over", spans=read.passed_over),
         ),
+    ]
+    yield from (said for is_so, said in rows if is_so)
+    yield from _of_health(read, triads)
+
+
+def _of_health(read: RecordedWindows, triads: Sequence[_Triad]) -> Iterator[str]:
+    """Yield what windows lack, and what is kept out of their means: each kind once."""
+    every = [
+        (number, one.sensor.kind, read.health[one.sensor.kind][number - 1])
+        for one in triads
+        for number in one.numbers
+        if one.sensor.kind in read.health
+    ]
+    turns = {k for k, one in enumerate(read.windows, start=1) if one.sense}
+
+    def places(what: str, least: float = 0.0) -> list[UnsoundSamples]:
+        return [
+            UnsoundSamples(window=number, sensor=kind, axis=axis, count=count)
+            for number, kind, health in every
+            for axis, count in zip(AXES, getattr(health, what), strict=True)
+            if count > least * health.samples
+        ]
+
+    missing: dict[int, int] = {}
+    for number, _, health in every:
+        if health.missing:
+            missing[number] = max(missing.get(number, 0), health.missing)
+    in_rest = [one for one in missing if one not in turns]
+    in_turn = [one for one in missing if one in turns]
+    samples = [sum(missing[one] for one in own) for own in (in_rest, in_turn)]
+    lost = sorted({number for number, _, health in every if health.is_lost})
+    thin = sorted({number for number, _, health in every if health.is_thin})
+    at_end, stuck, outliers = map(places, ("saturated", "stuck", "outliers"))
+    many = places("outliers", MOST_OUTLIERS)
+    rows = [
+        (at_end, sentence("calibrations.saturated", places=at_end)),
+        (in_rest, sentence("calibrations.gaps", windows=in_rest, missing=samples[0])),
+        (
+            in_turn,
+            sentence("calibrations.gaps_in_turns", windows=in_turn, missing=samples[1]),
+        ),
+        (lost, sentence("calibrations.lost", windows=lost)),
+        (stuck, sentence("calibrations.stuck", places=stuck)),
+        (outliers, sentence("calibrations.outliers", places=outliers)),
+        (many, sentence("calibrations.many_outliers", places=many)),
+        (thin, sentence("calibrations.thin", windows=thin)),
     ]
     yield from (said for is_so, said in rows if is_so)

@@ -32,9 +32,10 @@ ROBUST = 1.4826  # of a normal sigma over its median absolute deviation [1]
 PARTS = 16  # of the first piece, of whose runs the median counts
 MOST_LISTED = 5  # outliers that are named
 SPIKE = 5  # samples whose median a spike of one or two is off
+TWO_LEVELS = 1.5  # steps, below which all that is read is one level or two [1]
 QUARTER = 0.25  # of the parts of a channel, that may be unsound [1]
 EXTREME = 0.98  # of the samples of a window, below its end [1]
-MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
+SEEN = 0.1  # of the largest reading of a turn, that a spike is at the least [1]
 LEAST_LEFT = 0.5  # of the samples of a window, below which its mean is none [1]
 LOST = 1e-3  # of a turn, that may be lost in a gap [1]
 
@@ -202,7 +203,8 @@ class UsualSteps:
 
         Values in steps q of noise sigma are equal with a probability of 2 Phi(q/(2
         sigma)) - 1 at the most, where the mean is in the middle of a step. sigma is
-        that of the quiet quarter of its parts, without the q^2/12 of the steps.
+        that of the quiet quarter of its parts, without the q^2/12 of the steps; of two
+        levels alone it is not told, and all may be equal.
         """
         steps = np.abs(np.diff(values))
         step = float(steps[steps > 0.0].min(initial=np.inf))
@@ -212,7 +214,8 @@ class UsualSteps:
         parts = values[: n * size].reshape(n, size)
         square = float(np.quantile(parts.var(axis=1), QUARTER)) - step**2 / 12.0
         by_steps = 1.0
-        if square > 0.0:
+        levels = float(np.median(np.ptp(parts, axis=1)))
+        if square > 0.0 and levels > TWO_LEVELS * step:
             by_steps = erf(step / sqrt(8.0 * square))
         same = (np.diff(parts, axis=1) == 0.0).mean(axis=1)
         seen = float(np.quantile(same, 1.0 - QUARTER))
@@ -257,6 +260,16 @@ class WindowHealth:
     def is_spoilt(self) -> bool:
         """Whether its mean is not that of what the unit was exposed to."""
         return any(self.saturated) or self.is_thin or self.is_lost
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnsoundSamples:
+    """How many samples of one axis in one window are unsound."""
+
+    window: int  # from 1
+    sensor: str
+    axis: str
+    count: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -367,11 +380,11 @@ class WindowReadings:
         beside it, which an edge is not, and by a part of the largest reading besides.
         """
         if self.is_turn:
-            least = MOVING * float(np.abs(values).max())
-            return spikes(values, step, least)
+            size = np.quantile(np.abs(self.own), EXTREME, axis=1)
+            return spikes(values, step, SEEN * float(np.nanmax(size)))
         off = np.abs(values - np.median(values[sound]))
         sigma = ROBUST * float(np.median(off[sound]))
-        return np.asarray(off > FAR * max(sigma, step / 2.0))
+        return np.asarray(off > FAR * max(sigma, step))
 
     def _bridged(
         self, axis: int, good: NDArray[np.bool_], places: NDArray[np.int64]
@@ -403,7 +416,7 @@ def saturated_in(
     values: Array,
     usual: UsualSteps,
     stated: float | None,
-    ends: tuple[float, float],
+    ends: tuple[float, float] | None = None,
 ) -> NDArray[np.bool_]:
     """Return which samples of a window are at the end of the range.
 
@@ -412,15 +425,17 @@ def saturated_in(
     usual : UsualSteps
     stated : float, optional
         End of the range [unit].
-    ends : (float, float)
+    ends : (float, float), optional
         The least and the largest value in all windows, that one which reads the same
-        throughout is held against [unit].
+        throughout is held against [unit]; None: it is at the end.
     """
     if stated is not None:
         return np.asarray(np.abs(values) >= stated * (1.0 - 1e-9))
     runs = run_lengths(values)
     if runs[0] == values.size:
-        is_end = ends[0] < ends[1] and not ends[0] < values[0] < ends[1]
+        is_end = ends is None or (
+            ends[0] < ends[1] and not ends[0] < values[0] < ends[1]
+        )
         return np.full(values.size, is_end and values.size > usual.longest)
     found = at_end(values, runs)
     return found if usual.is_fine else found & (runs > usual.longest)
@@ -440,7 +455,7 @@ def spikes(values: Array, step: float, least: float = 0.0) -> NDArray[np.bool_]:
 
     off = np.abs(values - median_filter(values, SPIKE, mode="nearest"))
     sigma = ROBUST * float(np.median(off))
-    return np.asarray(off > max(FAR * sigma, FAR * step / 2.0, least))
+    return np.asarray(off > max(FAR * sigma, FAR * step, least))
 
 
 def run_lengths(values: Array) -> NDArray[np.int64]:

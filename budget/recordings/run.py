@@ -36,7 +36,6 @@ from budget.recordings.columns import (
 from budget.recordings.health import (
     AT_END,
     MOST_JITTER,
-    MOVING,
     SPIKE,
     UsualSteps,
     WindowHealth,
@@ -76,6 +75,7 @@ STEPS = 0.02  # of the range, that a step of readings may be [1]
 LEAST_REST = 1.0  # [s]
 NEAR = radians(25.0)  # of a face
 SAME_TURN = 0.1  # of whole turns [1]
+MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
 MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
@@ -974,9 +974,8 @@ def _between(
 def _is_clipped(track: _Track, values: Array) -> bool:
     """Whether readings of a turn are at the end of the range, (3, n)."""
     stated = track.range_end.get(GYRO)
-    ends = (-inf, inf)  # what reads the same throughout is not told here
     return any(
-        saturated_in(own, usual, stated, ends).sum() >= AT_END
+        saturated_in(own, usual, stated).sum() >= AT_END
         for own, usual in zip(values, track.usual[GYRO], strict=True)
         if usual is not None and own.size
     )
