@@ -115,7 +115,7 @@ class CompensationMatrix(Documented):
     name
     sensor
     start [s]: since the first window began
-    length [s]
+    length [s]: of a rest that of the samples that its mean is of
     unit
     mean (list[float]) [unit]: of the readings, by axis
     residual (list[float]) [residual_unit]: reading over its scale factor less what was

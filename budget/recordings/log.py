@@ -294,24 +294,29 @@ def check_stamps(
         if not near:
             return
         said = f"and the rate is given as {recording.rate:.6g} Hz"
+        remedy = "leave the rate out"
     elif SHORTEST <= interval < LONGEST:
         return
     else:
         near = [x for x in FACTORS if LIKELY[0] <= interval / x < LIKELY[1]]
         said = f"expected {SHORTEST:g} to {LONGEST:g} s"
+        remedy = "give --rate if that is so"
     units = [
         name
         for name, own in STAMPS.items()
         for factor in near
         if abs(size / factor / own - 1.0) < SAME_UNIT
     ]
-    remedy = "give --rate if that is so, or skip the column (_ in its place)"
     if units:
         remedy = (
             f"they look like {units[0]}: write 'time [{units[0]}]' in the head, or in "
-            f"--columns; else {remedy}"
+            f"--columns; or {remedy}"
         )
-    raise refuse(shown, f"stamps come every {interval:.6g} s, {said}; {remedy}")
+    raise refuse(
+        shown,
+        f"stamps come every {interval:.6g} s, {said}; {remedy}, or skip the column "
+        "(--columns with _ in its place)",
+    )
 
 
 class _Reading:

@@ -1018,8 +1018,18 @@ def _found(
                 fits.append(replace(fit, price=fit.price + more))
         if fits:
             return min(fits, key=lambda one: (not one.is_as_planned, one.price))
-    said = "" if first is None else f"{first}{_of_stamps(tracks)}"
-    raise CallError(said or name)
+    raise CallError(f"{first or name}{_of_gaps(tracks)}{_of_stamps(tracks)}")
+
+
+def _of_gaps(tracks: Sequence[_Track]) -> str:
+    """Say where samples are missing, if some are."""
+    found = [
+        f"{(times[k + 1] - times[k]) * one.rate - 1.0:.0f} after {times[k]:.2f} s"
+        for one in tracks
+        for times in [one.smooth[0]]
+        for k in one.places.tolist()[:MOST_ISSUES]
+    ]
+    return f". Samples are missing: {', '.join(found[:MOST_ISSUES])}" if found else ""
 
 
 def _of_stamps(tracks: Sequence[_Track]) -> str:
