@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,15 +33,21 @@ SHORT = (
 )
 
 
+@cache
+def simulated(procedure, seed):
+    """Return heads, rows and windows of a run as it is printed."""
+    made = simulated_run(MEMS, procedure=procedure, seed=seed, rate=RATE)
+    head, *rows = "".join(made.csv()).splitlines()
+    numbers = np.array([[float(x) for x in one.split(",")] for one in rows])
+    return head, numbers, {one.place: one.window for one in made.steps}
+
+
 class Run:
     """A simulated run, to be spoilt: rows of stamps and readings as printed."""
 
-    def __init__(self, procedure, seed, rate=RATE):
-        made = simulated_run(MEMS, procedure=procedure, seed=seed, rate=rate)
-        self.rate, (self.head, *rows) = rate, "".join(made.csv()).splitlines()
-        self.rows = np.array([[float(x) for x in one.split(",")] for one in rows])
-        self.steps = {one.place: one.window for one in made.steps}
-        self.gone = np.zeros(len(rows), dtype=bool)
+    def __init__(self, procedure, seed):
+        self.head, rows, self.steps = simulated(procedure, seed)
+        self.rows, self.gone = rows.copy(), np.zeros(len(rows), dtype=bool)
 
     def inside(self, window):
         """Return the rows of a window, which is counted from 1."""
@@ -56,12 +63,12 @@ class Run:
 
     def cut(self, window, seconds, after=2.0):
         """Leave samples of a window out."""
-        at = self.inside(window)[round(after * self.rate) :]
-        self.gone[at[: round(seconds * self.rate)]] = True
+        at = self.inside(window)[round(after * RATE) :]
+        self.gone[at[: round(seconds * RATE)]] = True
 
     def stick(self, window, column, seconds):
         """Repeat a value."""
-        at = self.inside(window)[40 : 40 + round(seconds * self.rate)]
+        at = self.inside(window)[40 : 40 + round(seconds * RATE)]
         self.rows[at, column] = self.rows[at[0], column]
 
     def spike(self, window, column, sizes):
