@@ -73,6 +73,7 @@ if TYPE_CHECKING:
     from budget.model.response import CalibratedTriad
     from budget.model.scheme import Scheme
     from budget.problem import Output
+    from budget.recordings.health import WindowHealth
     from budget.recordings.run import RecordedWindows
 
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
@@ -958,13 +959,15 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
         if one.kind not in read.means and calibrates(one.kind, how)
     ]
     ratio = _pace(read, how)
+    is_spoilt = any(x.is_spoilt for _, _, x in _healths(read, triads))
     rows = [
         (missing, sentence("calibrations.not_recorded", sensors=missing)),
         (
             abs(log(ratio)) > log(SAME_PACE),
             sentence("calibrations.other_lengths", ratio=ratio),
         ),
-        (unit is None, sentence("calibrations.no_device")),
+        (unit is None and not is_spoilt, sentence("calibrations.no_device")),
+        (unit is None and is_spoilt, sentence("calibrations.by_scatter")),
         (unit is not None and not how.station, sentence("calibrations.no_station")),
         (lacks, sentence("calibrations.lacks", names=lacks)),
         (given.there.formulas != how.formulas, sentence("calibrations.other_times")),
@@ -985,14 +988,20 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
     yield from _of_health(read, triads)
 
 
+def _healths(
+    read: RecordedWindows, triads: Sequence[_Triad]
+) -> Iterator[tuple[int, str, WindowHealth]]:
+    """Yield the health of each window of each triad, with its number and sensor."""
+    for one in triads:
+        own = read.health.get(one.sensor.kind)
+        if own is not None:
+            for number in one.numbers:
+                yield number, one.sensor.kind, own[number - 1]
+
+
 def _of_health(read: RecordedWindows, triads: Sequence[_Triad]) -> Iterator[str]:
     """Yield what windows lack, and what is kept out of their means: each kind once."""
-    every = [
-        (number, one.sensor.kind, read.health[one.sensor.kind][number - 1])
-        for one in triads
-        for number in one.numbers
-        if one.sensor.kind in read.health
-    ]
+    every = [*_healths(read, triads)]
     turns = {k for k, one in enumerate(read.windows, start=1) if one.sense}
 
     def places(what: str, least: float = 0.0) -> list[UnsoundSamples]:

@@ -157,6 +157,7 @@ def test_a_saturated_turn_is_not_sound(short, tmp_path):
     text = " ".join(said.out.split())
     assert "NOT SOUND" in text
     assert text.count("at the end of the range") == 1
+    assert "sound is not told" not in text
     assert "7 gyro z (160), 8 gyro z (160)" in text
     document = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert document["is_sound"] is False
