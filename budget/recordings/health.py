@@ -206,8 +206,10 @@ class UsualSteps:
         that of the quiet quarter of its parts, without the q^2/12 of the steps; of two
         levels alone it is not told, and all may be equal.
         """
-        steps = np.abs(np.diff(values))
-        step = float(steps[steps > 0.0].min(initial=np.inf))
+        steps = np.diff(values)
+        np.abs(steps, out=steps)
+        step = float(steps.min(initial=np.inf, where=steps > 0.0))
+        del steps
         step = step if np.isfinite(step) else 0.0
         n = max(values.size // WINDOW, 1)
         size = values.size // n
