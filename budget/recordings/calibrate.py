@@ -55,6 +55,7 @@ from budget.recordings.calibrated import (
     UnseenMistake,
 )
 from budget.recordings.columns import COUNTS, LIKE
+from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
     from budget.model.response import CalibratedTriad
     from budget.model.scheme import Scheme
     from budget.problem import Output
+    from budget.recordings.health import WindowHealth
     from budget.recordings.run import RecordedWindows
 
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
@@ -711,8 +713,10 @@ def _windows(
     own_unit, own_size = BIAS_UNITS[kind]
     left = triad.residuals
     z = None if run is None else left / _residual_u(triad, run)
+    own = read.health.get(kind)
     for k, number in enumerate(triad.numbers):
         window = read.windows[number - 1]
+        health = None if own is None else own[number - 1]
         yield RunWindow(
             window=number,
             name=window.name,
@@ -724,6 +728,12 @@ def _windows(
             residual=left[:, k] / own_size,
             residual_unit=own_unit,
             z=None if z is None else z[:, k],
+            gaps=health.gaps if health else None,
+            missing=health.missing if health else None,
+            saturated=health.saturated if health else (),
+            stuck=health.stuck if health else (),
+            outliers=health.outliers if health else (),
+            is_spoilt=health.is_spoilt if health else None,
         )
 
 
@@ -936,13 +946,15 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
         if one.kind not in read.means and calibrates(one.kind, how)
     ]
     ratio = _pace(read, how)
+    is_spoilt = any(x.is_spoilt for _, _, x in _healths(read, triads))
     rows = [
         (missing, sentence("calibrations.not_recorded", sensors=missing)),
         (
             abs(log(ratio)) > log(SAME_PACE),
             sentence("calibrations.other_lengths", ratio=ratio),
         ),
-        (unit is None, sentence("calibrations.no_device")),
+        (unit is None and not is_spoilt, sentence("calibrations.no_device")),
+        (unit is None and is_spoilt, sentence("calibrations.by_scatter")),
         (unit is not None and not how.station, sentence("calibrations.no_station")),
         (lacks, sentence("calibrations.lacks", names=lacks)),
         (given.there.formulas != how.formulas, sentence("calibrations.other_times")),
@@ -958,5 +970,57 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
             read.passed_over,
             sentence("calibrations.passed_over", spans=read.passed_over),
         ),
+    ]
+    yield from (said for is_so, said in rows if is_so)
+    yield from _of_health(read, triads)
+
+
+def _healths(
+    read: RecordedWindows, triads: Sequence[_Triad]
+) -> Iterator[tuple[int, str, WindowHealth]]:
+    """Yield the health of each window of each triad, with its number and sensor."""
+    for one in triads:
+        own = read.health.get(one.sensor.kind)
+        if own is not None:
+            for number in one.numbers:
+                yield number, one.sensor.kind, own[number - 1]
+
+
+def _of_health(read: RecordedWindows, triads: Sequence[_Triad]) -> Iterator[str]:
+    """Yield what windows lack, and what is kept out of their means: each kind once."""
+    every = [*_healths(read, triads)]
+    turns = {k for k, one in enumerate(read.windows, start=1) if one.sense}
+
+    def places(what: str, least: float = 0.0) -> list[UnsoundSamples]:
+        return [
+            UnsoundSamples(window=number, sensor=kind, axis=axis, count=count)
+            for number, kind, health in every
+            for axis, count in zip(AXES, getattr(health, what), strict=True)
+            if count > least * health.samples
+        ]
+
+    missing: dict[int, int] = {}
+    for number, _, health in every:
+        if health.missing:
+            missing[number] = max(missing.get(number, 0), health.missing)
+    in_rest = [one for one in missing if one not in turns]
+    in_turn = [one for one in missing if one in turns]
+    samples = [sum(missing[one] for one in own) for own in (in_rest, in_turn)]
+    lost = sorted({number for number, _, health in every if health.is_lost})
+    thin = sorted({number for number, _, health in every if health.is_thin})
+    at_end, stuck, outliers = map(places, ("saturated", "stuck", "outliers"))
+    many = places("outliers", MOST_OUTLIERS)
+    rows = [
+        (at_end, sentence("calibrations.saturated", places=at_end)),
+        (in_rest, sentence("calibrations.gaps", windows=in_rest, missing=samples[0])),
+        (
+            in_turn,
+            sentence("calibrations.gaps_in_turns", windows=in_turn, missing=samples[1]),
+        ),
+        (lost, sentence("calibrations.lost", windows=lost)),
+        (stuck, sentence("calibrations.stuck", places=stuck)),
+        (outliers, sentence("calibrations.outliers", places=outliers)),
+        (many, sentence("calibrations.many_outliers", places=many)),
+        (thin, sentence("calibrations.thin", windows=thin)),
     ]
     yield from (said for is_so, said in rows if is_so)

@@ -115,7 +115,7 @@ class CompensationMatrix(Documented):
     name
     sensor
     start [s]: since the first window began
-    length [s]
+    length [s]: of a rest that of the samples that its mean is of
     unit
     mean (list[float]) [unit]: of the readings, by axis
     residual (list[float]) [residual_unit]: reading over its scale factor less what was
@@ -123,6 +123,13 @@ class CompensationMatrix(Documented):
     residual_unit
     z? (list[float]) [1]: residual over its standard uncertainty, where a device says
       that
+    gaps?: steps over more than one sample; this and what follows of recordings alone
+    missing?: samples that the gaps leave out
+    saturated? (list[int]): samples at the end of the range, by axis
+    stuck? (list[int]): samples that are kept out of the mean, by axis
+    outliers? (list[int]): likewise
+    is_spoilt?: whether the mean is not that of the input: saturated samples, less than
+      half of them left, or a turn that begins or ends in a gap
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -139,6 +146,12 @@ class RunWindow(Documented):
     residual: Array
     residual_unit: str
     z: Array | None
+    gaps: int | None = None
+    missing: int | None = None
+    saturated: tuple[int, ...] = ()
+    stuck: tuple[int, ...] = ()
+    outliers: tuple[int, ...] = ()
+    is_spoilt: bool | None = None
 
 
 @written(
@@ -252,8 +265,8 @@ class PassedOver(Documented):
     estimator: by which values were found
     coverage [1]: of the intervals
     inputs by role as file
-    is_sound or null: whether chi-squares are as they should be; null where of some
-      triad nothing says it
+    is_sound or null: whether chi-squares are as they should be, and no window is
+      spoilt; null where of some triad nothing says it
     lower_bound = lacks (bool): whether lines that are not given would add to u
     outputs
     covariance (list[list[float]]) [units of the outputs]
@@ -307,11 +320,19 @@ class RecordedCalibration(Documented):
 
     @property
     def is_sound(self) -> bool | None:
-        """Whether nothing is less likely than it may be; None where nothing says it."""
+        """Whether nothing is less likely than it may be; None where nothing says it.
+
+        A window whose mean is not that of its input is a known mistake of the run.
+        """
         found = (*self.chi_square, *self.prior)
-        if any(one.p < self.least_p for one in found):
+        if self.spoilt or any(one.p < self.least_p for one in found):
             return False
         return True if found and not self.untold else None
+
+    @property
+    def spoilt(self) -> tuple[int, ...]:
+        """Windows whose mean is not that of their input."""
+        return tuple(sorted({one.window for one in self.windows if one.is_spoilt}))
 
     @property
     def is_open(self) -> bool:

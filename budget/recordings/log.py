@@ -7,8 +7,7 @@ missing, and counted.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
-from math import log
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -27,6 +26,14 @@ from budget.recordings.columns import (
     read_head,
     twice,
 )
+from budget.recordings.health import (
+    FAR,
+    MOST_JITTER,
+    MOST_LISTED,
+    MOST_OUTLIERS,
+    KeptOut,
+    Look,
+)
 from budget.recordings.tables import NumberTable
 
 if TYPE_CHECKING:
@@ -41,39 +48,17 @@ if TYPE_CHECKING:
     Progress = Callable[[float], None]
 
 LEAST_ROWS = 100
+SHORTEST, LONGEST = 1e-5, 10.0  # between two samples [s]
+LIKELY = 1e-4, 0.2  # likewise, of most recordings [s]
+FACTORS = (1e3, 1e6, 1e9, 1e-3, 1e-6, 1e-9)  # of one unit of time over another [1]
+STAMPS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s]
+SAME_UNIT = 0.05  # of such a factor [1]
 FIRST_BLOCK = 10  # samples
 MOST_BLOCKS = 2**17  # before two of them become one
 HEAD = 2**21  # samples that are kept singly
-MOST_JITTER = 1.5  # of a step over the usual one: more is a gap [1]
 MOST_GAPS = 0.05  # of steps, from where stamps are those of something else [1]
 MOST_MISSING = 3.0  # samples, over those that are there [1]
 SAME_RATE = 5e-3  # of a rate that is stated and that of stamps [1]
-WINDOW = 64  # samples whose median an outlier is off
-FAR = 8.0  # robust sigmas, of an outlier [1]
-MOST_OUTLIERS = 0.01  # of the samples [1]
-CHANCE = 1e-6  # of a run of equal values in sound data [1]
-LEAST_EQUAL = 1e-3  # probability of two equal values that is reckoned with [1]
-AT_END = 3  # equal extreme values, one after the other
-ROBUST = 1.4826  # of a normal sigma over its median absolute deviation [1]
-PARTS = 16  # of the first piece, of whose runs the median counts
-MOST_LISTED = 5  # outliers that are named
-
-
-@dataclass(frozen=True, kw_only=True)
-class KeptOut:
-    """How many samples of a channel are kept out, and the first outliers.
-
-    Attributes
-    ----------
-    stuck, saturated, outliers : int
-    first : tuple of (float, float)
-        Time since the start [s] and value [SI, or counts] of the first outliers.
-    """
-
-    stuck: int = 0
-    saturated: int = 0
-    outliers: int = 0
-    first: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -282,6 +267,58 @@ def _with_gain(column: RecordedColumn, recording: Recording) -> RecordedColumn:
     return replace(column, size=1.0 / gain)
 
 
+def stated_end(recording: Recording, column: RecordedColumn) -> float | None:
+    """Return the end of the range that is stated [SI]; None of counts."""
+    return None if column.size is None else recording.saturation.get(column.sensor)
+
+
+def check_stamps(
+    shown: str, column: RecordedColumn, interval: float, recording: Recording
+) -> None:
+    """Refuse stamps that are not in the unit of their head.
+
+    Parameters
+    ----------
+    interval : float
+        Usual step of the stamps, in the unit of their head [s].
+
+    Raises
+    ------
+    SpecError
+        The interval is that of no recording, or a thousand times that of the rate.
+    """
+    size = column.size or 1.0
+    if recording.rate:
+        off = interval * recording.rate
+        near = [x for x in FACTORS if abs(off / x - 1.0) < SAME_UNIT]
+        if not near:
+            return
+        said = f"and the rate is given as {recording.rate:.6g} Hz"
+        remedy = "leave the rate out"
+    elif SHORTEST <= interval < LONGEST:
+        return
+    else:
+        near = [x for x in FACTORS if LIKELY[0] <= interval / x < LIKELY[1]]
+        said = f"expected {SHORTEST:g} to {LONGEST:g} s"
+        remedy = "give --rate if that is so"
+    units = [
+        name
+        for name, own in STAMPS.items()
+        for factor in near
+        if abs(size / factor / own - 1.0) < SAME_UNIT
+    ]
+    if units:
+        remedy = (
+            f"they look like {units[0]}: write 'time [{units[0]}]' in the head, or in "
+            f"--columns; or {remedy}"
+        )
+    raise refuse(
+        shown,
+        f"stamps come every {interval:.6g} s, {said}; {remedy}, or skip the column "
+        "(--columns with _ in its place)",
+    )
+
+
 class _Reading:
     """Sums over one recording while its pieces come."""
 
@@ -314,7 +351,7 @@ class _Reading:
         self.last_time = np.nan
         self.interval = 0.0  # usual step of the clock [s, or counts]
         self.regular, self.steps = 0.0, 0  # sum of usual steps, and how many
-        self.looks: list[_Look] = []
+        self.looks: list[Look] = []
         self.kept = [KeptOut() for _ in self.names]
 
     def take(self, opened: _Opened, piece: TablePiece) -> None:
@@ -330,9 +367,9 @@ class _Reading:
         place = self._places(opened, piece)
         self.rows += place.size
         if not self.looks:
-            self.looks = [_Look.of(one) for one in values]
+            self.looks = [Look.of(one) for one in values]
         for k, name in enumerate(self.names):
-            stated = self.recording.saturation.get(self.of[name].sensor)
+            stated = stated_end(self.recording, self.of[name])
             values[k], self.kept[k] = self.looks[k].clean(
                 values[k], place, self.kept[k], stated
             )
@@ -377,6 +414,8 @@ class _Reading:
                 if self.clock == COUNTER
                 else float(step[step <= MOST_JITTER * usual].mean())
             )
+            if self.clock == TIME:
+                check_stamps(opened.table.shown, column, self.interval, self.recording)
         is_gap = step > MOST_JITTER * self.interval
         if is_gap.sum() > max(MOST_GAPS * step.size, 1):
             unit = " s" if self.clock == TIME else ""
@@ -515,124 +554,3 @@ class _Reading:
                 "column of stamps (--columns with _ in its place)"
             )
         return float(stated or found)
-
-
-@dataclass
-class _Look:
-    """What is usual of a channel, by its first piece, and what came last.
-
-    Attributes
-    ----------
-    sigma : float
-        Robust, of what a sample is off the median of its window [unit].
-    longest : float
-        Equal values one after the other that are chance still [1].
-    value, run : float, int
-        The last value, and how many of it have come.
-    """
-
-    sigma: float
-    longest: float
-    value: float = field(default=np.nan)
-    run: int = 0
-
-    @classmethod
-    def of(cls, values: Array) -> _Look:
-        """Look at the first piece of a channel."""
-        off = _off_window(values)
-        sigma = ROBUST * float(np.median(np.abs(off)))
-        if sigma == 0.0:  # coarse steps: most are equal
-            sigma = float(np.std(off))
-        same = np.diff(values) == 0.0
-        parts = [float(one.mean()) for one in np.array_split(same, PARTS) if one.size]
-        equal = min(max(float(np.median(parts)), LEAST_EQUAL), 1.0 - 1e-9)
-        longest = log(CHANCE / values.size) / log(equal)
-        return cls(sigma=sigma, longest=longest)
-
-    def clean(
-        self,
-        values: Array,
-        place: NDArray[np.int64],
-        kept: KeptOut,
-        stated: float | None,
-    ) -> tuple[Array, KeptOut]:
-        """Return values with nan for what is kept out, and how many that are."""
-        runs = self._runs(values)
-        stuck = runs > max(self.longest, AT_END)
-        saturated = _at_end(values, runs) & ~stuck
-        if stated is not None:
-            saturated |= np.abs(values) >= stated * (1.0 - 1e-9)
-            stuck &= ~saturated
-        sound = np.where(stuck | saturated, np.nan, values)
-        outlier = self._outliers(sound)
-        found = np.flatnonzero(outlier)
-        room = MOST_LISTED - len(kept.first)
-        listed = [(float(place[k]), float(values[k])) for k in found[:room].tolist()]
-        sound[outlier] = np.nan
-        return sound, KeptOut(
-            stuck=kept.stuck + int(stuck.sum()),
-            saturated=kept.saturated + int(saturated.sum()),
-            outliers=kept.outliers + found.size,
-            first=(*kept.first, *listed),
-        )
-
-    def _runs(self, values: Array) -> NDArray[np.int64]:
-        """Return for each sample how many equal ones its run has, with those before."""
-        starts = np.flatnonzero(np.diff(values, prepend=np.nan) != 0.0)
-        lengths = np.diff(np.append(starts, values.size))
-        counted = lengths.copy()
-        if values[0] == self.value:
-            counted[0] += self.run
-        self.value, self.run = float(values[-1]), int(counted[-1])
-        return np.repeat(counted, lengths)
-
-    def _outliers(self, values: Array) -> NDArray[np.bool_]:
-        """Return which samples lie far off the median of their window."""
-        if self.sigma == 0.0:
-            return np.zeros(values.size, dtype=bool)
-        return np.abs(_off_window(values, near=FAR * self.sigma)) > FAR * self.sigma
-
-
-def _off_window(values: Array, near: float = 0.0) -> Array:
-    """Return what each sample is off the median of its window.
-
-    Windows that have nothing farther off their mean than `near` half are left at their
-    means: no sample of them is off the median by so much.
-    """
-    n = max(values.size // WINDOW, 1)
-    size = values.size // n
-    off = np.empty_like(values)
-    whole = values[: n * size].reshape(n, size)
-    with np.errstate(invalid="ignore"):
-        there = np.isfinite(whole)
-        number = np.maximum(there.sum(axis=1), 1)
-        middle = np.where(there, whole, 0.0).sum(axis=1) / number
-        far = np.abs(np.where(there, whole - middle[:, None], 0.0)).max(axis=1)
-    if near == 0.0:
-        middle = np.median(whole, axis=1)
-    for k in np.flatnonzero(far >= 0.5 * near).tolist() if near else ():
-        own = whole[k][there[k]]
-        middle[k] = np.median(own) if own.size else 0.0
-    off[: n * size] = (whole - middle[:, None]).ravel()
-    off[n * size :] = values[n * size :] - middle[-1]
-    return np.where(np.isfinite(off), off, 0.0)
-
-
-def _at_end(values: Array, runs: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which samples are at the end of the range, where some pile up there.
-
-    The extreme value three times running, and oftener than the next one to it: of
-    noise in steps the extreme is rarer.
-    """
-    found = np.zeros(values.size, dtype=bool)
-    for end in (values.max(), values.min()):
-        at = values == end
-        if runs[at].max() < AT_END:
-            continue
-        others = values[~at]
-        if not others.size:
-            continue
-        nearest = others[np.abs(others - end).argmin()]
-        if at.sum() > (others == nearest).sum():
-            found |= at
-    return found

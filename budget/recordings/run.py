@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import csv
 import io
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import sha256
 from itertools import pairwise, permutations, product
 from math import acos, cos, degrees, inf, log, radians
@@ -24,8 +25,32 @@ from budget.inputs.tree import describe
 from budget.journal import note_read
 from budget.model.source import ACCELEROMETER, GYRO, SENSORS
 from budget.names import AXES
-from budget.recordings.columns import CHANNELS, COUNTS, TIME, read_head
-from budget.recordings.log import open_table
+from budget.recordings.columns import (
+    CHANNELS,
+    COUNTER,
+    COUNTS,
+    TIME,
+    RecordedColumn,
+    read_head,
+)
+from budget.recordings.health import (
+    AT_END,
+    MOST_JITTER,
+    SPIKE,
+    UsualSteps,
+    WindowHealth,
+    WindowReadings,
+    ends_of,
+    saturated_in,
+    spikes,
+)
+from budget.recordings.log import (
+    LIKELY,
+    SAME_RATE,
+    check_stamps,
+    open_table,
+    stated_end,
+)
 from budget.recordings.tables import ARRAYS, NumberTable
 
 if TYPE_CHECKING:
@@ -46,10 +71,10 @@ QUIET = 4.0  # times the lower decile of the scatter [1]
 STILL = radians(1.0)  # rate that a rest may be off the others [rad/s]
 STILLER = radians(0.02)  # the same, where units may be wrong: the earth's is below it
 SIGMAS = 5.0  # likewise, of the scatter
+STEPS = 0.02  # of the range, that a step of readings may be [1]
 LEAST_REST = 1.0  # [s]
 NEAR = radians(25.0)  # of a face
 SAME_TURN = 0.1  # of whole turns [1]
-MOST_JITTER = 1.5  # of a step of stamps over the usual one: more is a gap [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
 MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
@@ -78,6 +103,8 @@ class RecordedWindows:
         Begins and ends of rests that are no window [s].
     is_as_planned : bool
         Whether the unit rested at the attitudes of the procedure.
+    health : mapping of str to tuple of WindowHealth
+        By triad, of each window; of a table of means nothing is known of it.
     """
 
     name: str
@@ -87,6 +114,7 @@ class RecordedWindows:
     has_counts: Mapping[str, bool]
     passed_over: tuple[tuple[float, float], ...] = ()
     is_as_planned: bool = True
+    health: Mapping[str, tuple[WindowHealth, ...]] = field(default_factory=dict)
 
 
 def read_windows(
@@ -121,8 +149,8 @@ def read_windows(
     paths = [pair for one in recordings for pair in one.files]
     if len(paths) == 1 and (table := _read_table(*paths[0], first)) is not None:
         return _of_table(table, windows, name, paths[0])
-    spans: list[_Span] = []
-    found: list[_Segment] = []
+    spans: Sequence[_Span]
+    found: Sequence[_Segment] = ()
     is_as_planned = True
     tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
     if times is not None:
@@ -133,29 +161,30 @@ def read_windows(
             )
         spans = list(_given_spans(*times, windows))
     else:
-        found, spans, is_as_planned = _found(
-            tracks, windows, name, knows_attitudes=knows_attitudes
-        )
+        fit = _found(tracks, windows, name, knows_attitudes=knows_attitudes)
+        found, spans, is_as_planned = fit.found, fit.spans, fit.is_as_planned
     kinds = [kind for kind in SENSORS if any(kind in one.values for one in tracks)]
+    parts = _parts(first.name, tracks, spans, windows)
     means = {kind: np.full((3, len(windows)), np.nan) for kind in kinds}
+    health = {kind: [WindowHealth()] * len(windows) for kind in kinds}
+    for kind in kinds:
+        ends = ends_of([own[kind].own for own in parts if kind in own])
+        for k, own in enumerate(parts):
+            if kind in own:
+                track = tracks[spans[k].track]
+                means[kind][:, k], health[kind][k] = own[kind].mean(
+                    track.usual[kind], ends, track.range_end.get(kind)
+                )
     there = []
     begin = 0.0
     for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
-        track = tracks[span.track]
-        for kind in kinds:
-            if kind in track.values:
-                times_, values = track.values[kind]
-                inside = (times_ >= span.start) & (times_ < span.end)
-                if inside.sum() < LEAST_SAMPLES:
-                    raise CallError(
-                        f"{first.name}: window {k + 1} ({window.name}) has "
-                        f"{int(inside.sum())} samples between {span.start:.6g} and "
-                        f"{span.end:.6g} s; give other times"
-                    )
-                means[kind][:, k] = values[:, inside].mean(axis=1)
         start = span.start - tracks[span.track].begin + tracks[span.track].offset
         begin = start if k == 0 else begin
-        there.append(replace(window, start=start - begin, length=span.end - span.start))
+        length = span.end - span.start
+        if not window.sense:  # what a mean is of, so that its noise is that of so long
+            kept = min(health[kind][k].kept for kind in kinds)
+            length = max(length * kept, LEAST_LENGTH)
+        there.append(replace(window, start=start - begin, length=length))
     return RecordedWindows(
         name=", ".join(one.name for one in recordings),
         sha256=tuple(pair for one in tracks for pair in one.sha256),
@@ -167,7 +196,46 @@ def read_windows(
         },
         passed_over=tuple(_passed_over(found, spans)),
         is_as_planned=is_as_planned,
+        health={kind: tuple(own) for kind, own in health.items()},
     )
+
+
+def _parts(
+    name: str,
+    tracks: Sequence[_Track],
+    spans: Sequence[_Span],
+    windows: Sequence[Window],
+) -> list[dict[str, WindowReadings]]:
+    """Return the readings of each triad in each window.
+
+    Raises
+    ------
+    CallError
+        There are too few.
+    """
+    found = []
+    for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
+        own = {}
+        track = tracks[span.track]
+        for kind, (times, values) in track.values.items():
+            a, b = np.searchsorted(times, (span.start, span.end)).tolist()
+            if b - a < LEAST_SAMPLES:
+                raise CallError(
+                    f"{name}: window {k + 1} ({window.name}) has {b - a} samples "
+                    f"between {span.start:.6g} and {span.end:.6g} s; give other times"
+                )
+            before, after = max(a - 1, 0), min(b + 1, len(times))
+            own[kind] = WindowReadings(
+                times=times[before:after],
+                values=values[:, before:after],
+                first=a - before,
+                last=b - before,
+                rate=track.rate,
+                is_turn=bool(window.sense),
+                has_angle=kind == GYRO,
+            )
+        found.append(own)
+    return found
 
 
 def _passed_over(
@@ -482,6 +550,37 @@ class _Track:
     sha256: tuple[tuple[str, str], ...]
     begin: float
     offset: float
+    range_end: Mapping[str, float]  # that is stated [SI]
+
+    @cached_property
+    def usual(self) -> Mapping[str, tuple[UsualSteps | None, ...]]:
+        """What is usual of each axis; None of one that was not recorded."""
+        return {
+            kind: tuple(
+                UsualSteps.of(one) if np.isfinite(one).all() else None for one in values
+            )
+            for kind, (_, values) in self.values.items()
+        }
+
+    @cached_property
+    def smooth(self) -> tuple[Array, Array]:
+        """Times and rates that rests are found by, else forces: less their spikes."""
+        from scipy.ndimage import median_filter
+
+        kind = GYRO if GYRO in self.values else ACCELEROMETER
+        times, values = self.values[kind]
+        found = []
+        for own, usual in zip(values, self.usual[kind], strict=True):
+            if usual is not None:
+                is_spike = spikes(own, usual.step)
+                middle = median_filter(own, SPIKE, mode="nearest")
+                found.append(np.where(is_spike, middle, own))
+        return times, np.array(found)
+
+    @cached_property
+    def places(self) -> NDArray[np.intp]:
+        """Samples after which some are missing, of those of `smooth`."""
+        return np.flatnonzero(np.diff(self.smooth[0]) > MOST_JITTER / self.rate)
 
 
 def _read_track(recording: Recording, number: int) -> _Track:
@@ -494,6 +593,7 @@ def _read_track(recording: Recording, number: int) -> _Track:
     """
     values: dict[str, tuple[Array, Array]] = {}
     counts: dict[str, bool] = {}
+    ends: dict[str, float] = {}
     files, rates = [], []
     for path, shown in recording.files:
         table = NumberTable(path, shown)
@@ -504,35 +604,17 @@ def _read_track(recording: Recording, number: int) -> _Track:
                 shown, f"has more than {MOST_ROWS:.0e} rows; cut it to the run"
             )
         every = np.concatenate(rows)
-        if np.abs(every).max(initial=0.0) >= MOST:
-            row = int(np.abs(every).max(axis=1).argmax())
-            raise refuse(
-                shown,
-                f"row {row + 1} has {np.abs(every[row]).max():.3g}, expected numbers "
-                f"below {MOST:.0e}; leave such rows out, or stamps begin elsewhere",
-            )
-        files.append((path.name, table.sha256))
         read = opened.read
-        if TIME in read:
-            place, column = read[TIME]
-            times = every[:, place] * (column.size or 1.0)
-            steps = np.diff(times)
-            if len(times) < LEAST_SAMPLES or not (steps > 0.0).all():
-                back = int(np.argmin(steps > 0.0)) if len(steps) else 0
+        for place in (place for name, (place, _) in read.items() if name != TIME):
+            row = int(np.abs(every[:, place]).argmax()) if len(every) else 0
+            if len(every) and abs(every[row, place]) >= MOST:
                 raise refuse(
                     shown,
-                    f"time does not go on from row {back + 1} to the next; leave out "
-                    "what was written twice, or give --rate and skip the column",
+                    f"row {row + 1} has {abs(every[row, place]):.3g}, expected numbers "
+                    f"below {MOST:.0e}; leave such rows out",
                 )
-            rate = 1.0 / float(np.median(steps))
-        elif recording.rate:
-            rate = recording.rate
-            times = np.arange(len(every)) / rate
-        else:
-            raise CallError(
-                f"{recording.name}: nothing says how fast it was sampled; give "
-                "--rate, as --rate 100, or a column time [s]"
-            )
+        files.append((path.name, table.sha256))
+        times, rate = _times(every, opened.read, recording, shown)
         rates.append(rate)
         for kind in SENSORS:
             own = [read.get(f"{kind}_{axis}") for axis in AXES]
@@ -554,6 +636,9 @@ def _read_track(recording: Recording, number: int) -> _Track:
                 ),
             )
             counts[kind] = any(one is not None and one[1].size is None for one in own)
+            stated = [stated_end(recording, one[1]) for one in own if one]
+            if stated[0] is not None:
+                ends[kind] = stated[0]
     begin = min(float(times[0]) for times, _ in values.values())
     return _Track(
         number=number,
@@ -563,7 +648,87 @@ def _read_track(recording: Recording, number: int) -> _Track:
         sha256=tuple(files),
         begin=begin,
         offset=0.0,
+        range_end=ends,
     )
+
+
+def _times(
+    rows: Array,
+    read: Mapping[str, tuple[int, RecordedColumn]],
+    recording: Recording,
+    shown: str,
+) -> tuple[Array, float]:
+    """Return when each sample was, and how many came in a second.
+
+    Raises
+    ------
+    SpecError
+        Stamps do not go on, are in another unit, or not at the rate that is stated.
+    CallError
+        There are none, and no rate.
+    """
+    if TIME not in read:
+        if not recording.rate:
+            raise CallError(
+                f"{recording.name}: nothing says how fast it was sampled; give "
+                "--rate, as --rate 100, or a column time [s]"
+            )
+        return _counted(rows, read, recording, shown) / recording.rate, recording.rate
+    place, column = read[TIME]
+    times = rows[:, place] * (column.size or 1.0)
+    steps = np.diff(times)
+    if len(times) < LEAST_SAMPLES or not (steps > 0.0).all():
+        back = int(np.argmin(steps > 0.0)) if len(steps) else 0
+        raise refuse(
+            shown,
+            f"time does not go on from row {back + 1} to the next; leave out "
+            "what was written twice, or give --rate and skip the column",
+        )
+    usual = float(np.median(steps))
+    check_stamps(shown, column, usual, recording)
+    found = 1.0 / float(steps[steps <= MOST_JITTER * usual].mean())
+    if recording.rate and abs(recording.rate / found - 1.0) > SAME_RATE:
+        raise refuse(
+            shown,
+            f"the rate is given as {recording.rate:.6g} Hz, and its stamps come at "
+            f"{found:.6g} Hz; leave the rate out, or skip the column of stamps "
+            "(--columns with _ in its place)",
+        )
+    if np.abs(times).max() >= MOST:
+        raise refuse(
+            shown,
+            f"has stamps of {np.abs(times).max():.3g} s, expected times below "
+            f"{MOST:.0e} s; let them begin elsewhere, or say their unit in the head",
+        )
+    return times, 1.0 / usual
+
+
+def _counted(
+    rows: Array,
+    read: Mapping[str, tuple[int, RecordedColumn]],
+    recording: Recording,
+    shown: str,
+) -> Array:
+    """Return the places of samples by their counter, if there is one.
+
+    Raises
+    ------
+    SpecError
+        The counter does not go on.
+    """
+    if COUNTER not in read:
+        return np.arange(len(rows), dtype=float)
+    steps = np.diff(rows[:, read[COUNTER][0]])
+    if recording.counter:
+        steps = np.mod(steps, recording.counter[1])
+    if back := np.flatnonzero(steps <= 0.0).tolist():
+        raise refuse(
+            shown,
+            f"the counter does not go on from row {back[0] + 1} to the next; leave out "
+            "what was written twice, or skip the column (--columns with _)",
+        )
+    usual = float(np.median(steps)) if len(steps) else 1.0
+    return np.concatenate([[0.0], np.cumsum(steps) / usual])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -587,6 +752,8 @@ class _Segment:
     angle: float = 0.0  # that it turned by [rad, or counts s]
     is_back: bool = False  # whether it stands after it as before
     has_counts: bool = False
+    missing: int = 0  # samples
+    is_clipped: bool = False  # whether some are at the end of the range
 
     @property
     def length(self) -> float:
@@ -603,21 +770,34 @@ class _Segment:
             axis = int(np.abs(self.force).argmax())
             up = "up" if self.force[axis] > 0.0 else "down"
             return f"rest {when}, {AXES[axis]} {up}"
-        if self.has_counts:
-            return f"turn {when}"
-        return f"turn {when}, {degrees(self.angle):.1f} deg"
+        angle = "" if self.has_counts else f", {degrees(self.angle):.1f} deg"
+        lacks = f", {self.missing} samples missing" if self.missing else ""
+        clipped = ", at the end of the range" if self.is_clipped else ""
+        return f"turn {when}{angle}{lacks}{clipped}"
 
 
-def _segments(track: _Track, windows: Sequence[Window], still: float) -> list[_Segment]:
+@dataclass(frozen=True, kw_only=True)
+class _Fit:
+    """Segments matched to windows: when each was, and how badly they fit."""
+
+    found: Sequence[_Segment]
+    spans: Sequence[_Span]
+    is_as_planned: bool
+    price: float
+
+
+def _segments(
+    track: _Track, windows: Sequence[Window], still: float, *, is_joined: bool
+) -> list[_Segment]:
     """Find rests and what is between them, in the order of time.
 
-    In a rest the rate is no more off the others' than `still` [rad/s].
+    In a rest the rate is no more off the others' than `still` [rad/s]; where it
+    `is_joined` it goes on after a gap.
     """
     kind = GYRO if GYRO in track.values else ACCELEROMETER
-    times, values = track.values[kind]
-    values = values[np.isfinite(values).all(axis=1)]
+    times, values = track.smooth
     starts, ends = _runs(_rest_of(track, kind, values, windows, still))
-    gaps = np.flatnonzero(np.diff(times) > MOST_JITTER / track.rate)
+    gaps = () if is_joined else track.places
     cut: list[tuple[int, int]] = []
     for start, end in zip(starts, ends, strict=True):
         inside = [int(g) + 1 for g in gaps if start <= g < end - 1]
@@ -676,7 +856,7 @@ def _rest_of(
     mean = _rolling(values - middle, width)
     square = _rolling((values - middle) ** 2, width)
     scatter = np.sqrt(np.maximum(square - mean**2, 0.0).sum(axis=0))
-    decile = float(np.quantile(scatter, 0.1))
+    decile = max(float(np.quantile(scatter, 0.1)), _coarseness(track, kind, values))
     quiet = scatter <= QUIET * decile
     if kind != GYRO:
         return np.asarray(quiet)
@@ -694,6 +874,17 @@ def _rest_of(
             usual = min(usual, max(still, SIGMAS * decile))
         allowed = max(usual, least)
     return np.asarray(quiet & (off <= allowed))
+
+
+def _coarseness(track: _Track, kind: str, values: Array) -> float:
+    """Return what the steps of readings scatter by, q^2/12 of each axis.
+
+    A reading without noise has the jumps of the motion alone: no more than a part of
+    the range.
+    """
+    steps = [one.step for one in track.usual[kind] if one is not None]
+    least = np.minimum(steps, STEPS * np.ptp(values, axis=1))
+    return float(np.sqrt((least**2).sum() / 12.0))
 
 
 def _rolling(values: Array, width: int) -> Array:
@@ -746,7 +937,7 @@ def _between(
 
     `rates` are those over the rests, (3, n).
     """
-    times, _ = track.values[GYRO]
+    times, values = track.values[GYRO]
     first, last = places
     pad = max(1, round(LOOK * track.rate))
     a, b = max(first - pad, 0), min(last + pad, len(times))
@@ -758,9 +949,12 @@ def _between(
     a, b = (
         (a + int(moving[0]), a + int(moving[-1]) + 1) if moving.size else (first, last)
     )
-    steps = np.minimum(np.diff(times[a : b + 1]), MOST_JITTER / track.rate)
-    own = rates[:, a : a + len(steps)]
+    steps = np.diff(times[a : b + 1])
+    own, after_ = rates[:, a : a + len(steps)], rates[:, a + 1 : a + 1 + len(steps)]
+    is_gap = steps > MOST_JITTER / track.rate
+    own = np.where(is_gap, (own + after_) / 2.0, own)
     angle = np.abs((own * steps).sum(axis=1)).max() if len(steps) else 0.0
+    missing = int((np.rint(steps[is_gap] * track.rate) - 1.0).sum())
     before, after = forces
     is_back = before is None or after is None or float(before @ after) > cos(NEAR)
     return _Segment(
@@ -771,6 +965,18 @@ def _between(
         angle=float(angle),
         is_back=is_back,
         has_counts=track.counts[GYRO],
+        missing=missing,
+        is_clipped=_is_clipped(track, values[:, a:b]),
+    )
+
+
+def _is_clipped(track: _Track, values: Array) -> bool:
+    """Whether readings of a turn are at the end of the range, (3, n)."""
+    stated = track.range_end.get(GYRO)
+    return any(
+        saturated_in(own, usual, stated).sum() >= AT_END
+        for own, usual in zip(values, track.usual[GYRO], strict=True)
+        if usual is not None and own.size
     )
 
 
@@ -780,11 +986,12 @@ def _found(
     name: str,
     *,
     knows_attitudes: bool,
-) -> tuple[list[_Segment], list[_Span], bool]:
+) -> _Fit:
     """Find rests and turns, and match them.
 
     Where what should be a turn is so slow that it passes for a rest, units may be
-    wrong: a rest is then what is still by its own noise.
+    wrong: a rest is then what is still by its own noise. Over gaps rests go on, unless
+    the windows are so far from fitting by then that each part is one of its own.
 
     Raises
     ------
@@ -793,16 +1000,46 @@ def _found(
     """
     first: CallError | None = None
     for still in (STILL, STILLER):
-        found = [one for each in tracks for one in _segments(each, windows, still)]
-        try:
-            spans, is_as_planned = _matched(
-                found, windows, name, knows_attitudes=knows_attitudes
-            )
-        except CallError as error:
-            first = first or error
-        else:
-            return found, spans, is_as_planned
-    raise first or CallError(name)
+        fits: list[_Fit] = []
+        has_gaps = any(one.places.size for one in tracks)
+        for is_joined in (True, False) if has_gaps else (False,):
+            found = [
+                one
+                for each in tracks
+                for one in _segments(each, windows, still, is_joined=is_joined)
+            ]
+            try:
+                fit = _matched(found, windows, name, knows_attitudes=knows_attitudes)
+            except CallError as error:
+                first = first or error
+            else:
+                more = 0.0 if is_joined else LONG
+                fits.append(replace(fit, price=fit.price + more))
+        if fits:
+            return min(fits, key=lambda one: (not one.is_as_planned, one.price))
+    raise CallError(f"{first or name}{_of_gaps(tracks)}{_of_stamps(tracks)}")
+
+
+def _of_gaps(tracks: Sequence[_Track]) -> str:
+    """Say where samples are missing, if some are."""
+    found = [
+        f"{(times[k + 1] - times[k]) * one.rate - 1.0:.0f} after {times[k]:.2f} s"
+        for one in tracks
+        for times in [one.smooth[0]]
+        for k in one.places.tolist()[:MOST_ISSUES]
+    ]
+    return f". Samples are missing: {', '.join(found[:MOST_ISSUES])}" if found else ""
+
+
+def _of_stamps(tracks: Sequence[_Track]) -> str:
+    """Say that stamps may be in another unit, where they are far apart."""
+    slow = max(1.0 / one.rate for one in tracks)
+    if slow <= LIKELY[1]:
+        return ""
+    return (
+        f". Stamps come every {slow:.3g} s: if they are in ms, write 'time [ms]' in "
+        "the head or in --columns"
+    )
 
 
 def _matched(
@@ -811,8 +1048,8 @@ def _matched(
     name: str,
     *,
     knows_attitudes: bool,
-) -> tuple[list[_Span], bool]:
-    """Return when each window was, matched in order, and whether at its attitude.
+) -> _Fit:
+    """Return when each window was, in order.
 
     Where attitudes are those of the procedure with axes exchanged or reversed, or a few
     windows are at others though they last as long, they are taken as they come: what is
@@ -823,9 +1060,9 @@ def _matched(
     CallError
         Some window is not there: what is, and what should be.
     """
-    spans, _ = _match(found, windows, turned=np.eye(3), knows=knows_attitudes)
+    spans, price = _match(found, windows, turned=np.eye(3), knows=knows_attitudes)
     if spans is not None:
-        return spans, True
+        return _Fit(spans=spans, is_as_planned=True, price=price, found=found)
     tried = [
         _match(found, windows, turned=np.array(turned), knows=True)
         for turned in _turned_axes()
@@ -834,7 +1071,7 @@ def _matched(
     best = min((price, k) for k, (_, price) in enumerate(tried))
     spans, price = tried[best[1]]
     if spans is not None and price < inf:
-        return spans, False
+        return _Fit(spans=spans, is_as_planned=False, price=price, found=found)
     wanted = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
     there = "; ".join(one.said for one in found if one.is_rest or one.is_back)
     raise CallError(
@@ -942,9 +1179,16 @@ def _price(segment: _Segment, windows: Sequence[Window], unit: float) -> float:
         return inf
     price = abs(log(segment.length / sum(one.length for one in windows)))
     if window.sense:
-        off = abs(segment.angle / unit / abs(window.setting.angle) - 1.0)
-        is_it = off <= SAME_TURN and segment.is_back and price <= MOST_PACE
-        return price if is_it else inf
+        off = segment.angle / unit / abs(window.setting.angle) - 1.0
+        is_whole = abs(off) <= SAME_TURN or (segment.is_clipped and off < 0.0)
+        is_it = is_whole and segment.is_back and price <= MOST_PACE
+        return (
+            price + abs(off)
+            if is_it and segment.is_clipped
+            else price
+            if is_it
+            else inf
+        )
     return price
 
 

@@ -436,7 +436,7 @@ def _blunder(said: str, unit: Device, how: Procedure, rate: float) -> PlantedMis
         raise CallError(f"blunder {name!r} is none, allowed: {allowed}")
     chosen = known[0] if not what else None
     for one in known:
-        if what and _said(one) == what.casefold().replace(" ", ""):
+        if what and _said(one) == " ".join(what.casefold().split()):
             chosen = one
             break
     if chosen is None or (not what and dict(known[0].what).keys() - {"factor"}):
@@ -458,14 +458,14 @@ def _blunder(said: str, unit: Device, how: Procedure, rate: float) -> PlantedMis
 
 
 def _said(mistake: Mistake) -> str:
-    """Return which one it is as it is typed, without blanks: '7:xup', 'xy', '7,8'."""
+    """Return which one it is as it is typed: '7:x up', 'xy', '7,8'."""
     parts = []
     for _, value in mistake.what:
         if isinstance(value, tuple):
             parts.append(",".join(map(str, value)))
         else:
             parts.append(f"{value:g}" if isinstance(value, float) else str(value))
-    return ":".join(parts).replace(" ", "")
+    return ":".join(parts)
 
 
 def _sized(name: str, what: str, place: Place) -> Mistake:
