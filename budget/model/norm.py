@@ -202,7 +202,8 @@ class NormScheme(Scheme):
 
         def shown(p: Array) -> Array:
             M = np.eye(3) + tilt_matrix(p[3:9])
-            return np.linalg.solve(M, readings / p[:3, None] - p[9:, None]) / g
+            own = readings / p[:3, None] - p[9:, None]
+            return np.asarray(np.linalg.solve(M, own) / g)
 
         def residual(part: Array) -> Array:
             return np.asarray((shown(whole(part)) ** 2).sum(axis=0) - 1.0)
