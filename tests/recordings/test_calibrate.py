@@ -335,9 +335,9 @@ LOT = (
 @pytest.mark.parametrize("unit", range(5))
 def test_a_published_lot_comes_out(unit):
     """Rests by hand of five units: all 45 figures within 1.5 u."""
-    folder = TESTS / "data" / "mpu-9150"
-    how = folder / ("rests-24.yaml" if unit == 3 else "rests-22.yaml")
-    found = calibrate(folder / f"means-{unit}.csv", procedure=how)
+    folder = TESTS / "data" / "mpu-9150" / "rests"
+    how = folder / f"procedure-{24 if unit == 3 else 22}.yaml"
+    found = calibrate(folder / f"unit-{unit}.csv", procedure=how)
     (triad,) = found.matrix
     S, u = np.array(triad.sensor_from_body), np.array(triad.standard_uncertainty)
     rows, columns = (0, 1, 2, 1, 0, 0), (0, 1, 2, 2, 1, 2)
