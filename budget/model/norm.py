@@ -200,14 +200,30 @@ class NormScheme(Scheme):
             parameters[places] += part * size[places]
             return parameters
 
+        def shown(p: Array) -> Array:
+            M = np.eye(3) + tilt_matrix(p[3:9])
+            own = readings / p[:3, None] - p[9:, None]
+            return np.asarray(np.linalg.solve(M, own) / g)
+
         def residual(part: Array) -> Array:
+            return np.asarray((shown(whole(part)) ** 2).sum(axis=0) - 1.0)
+
+        def slope(part: Array) -> Array:
             p = whole(part)
             M = np.eye(3) + tilt_matrix(p[3:9])
-            shown = np.linalg.solve(M, readings / p[:3, None] - p[9:, None])
-            return np.asarray(((shown / g) ** 2).sum(axis=0) - 1.0)
+            s = shown(p).T
+            ds = shown_of_errors(s, np.column_stack([M, p[9:] / g]))
+            ds[..., :3] /= p[:3]
+            return np.asarray(2.0 * np.einsum("wi,wip->wp", s, ds)[:, places])
 
         solved = least_squares(
-            residual, np.zeros(len(places)), xtol=1e-15, ftol=1e-15, gtol=1e-15
+            residual,
+            np.zeros(len(places)),
+            slope,
+            method="lm",
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
         )
         p = whole(solved.x)
         return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])

@@ -286,6 +286,70 @@ def test_a_published_calibration_comes_out():
     assert gyro.unit == "counts/(deg/s)"
 
 
+# imu_tk's program of its Xsens recording: 1/K and T of T K (reading - bias), upper.
+XSENS_SCALE = (414.459, 412.01, 414.649)
+XSENS_T = (-0.0033593, -0.00890639, -0.0213341)
+XSENS_BIAS = (33124.2, 33275.2, 32364.4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("table", "scale", "angle", "bias"),
+    [
+        # It takes every sample for a residual: noise enters it by its square.
+        ("means-first-100.csv", 6e-6, 3e-5, 1.2e-6),
+        # Of more samples of the same rests: up to 1.8 u.
+        ("means-whole.csv", 1e-4, 3e-4, 1.2e-5),
+    ],
+)
+def test_a_published_calibration_by_the_norm_comes_out(table, scale, angle, bias):
+    """Raw counts of 38 rests by hand, no gyro and no gain."""
+    folder = TESTS / "data" / "imu_tk"
+    found = calibrate(folder / table, procedure=folder / "procedure.yaml")
+    (triad,) = found.matrix
+    assert (triad.unit, triad.bias_unit) == ("counts/(m/s^2)", "counts")
+    inverse = np.linalg.inv(triad.sensor_from_body)
+    K, u = np.diag(inverse), np.diag(triad.standard_uncertainty)
+    T = inverse / K
+    assert_allclose(1.0 / K, XSENS_SCALE, rtol=scale)
+    assert_allclose(T[(0, 0, 1), (1, 2, 2)], XSENS_T, rtol=0, atol=angle)
+    assert_allclose(triad.bias, XSENS_BIAS, rtol=bias)
+    assert (np.abs(1.0 / K - XSENS_SCALE) < 1.9 * u).all()
+    off = np.abs(np.array(triad.bias) - XSENS_BIAS)
+    assert (off < 1.9 * np.array(triad.bias_standard_uncertainty)).all()
+    assert {one.degrees_of_freedom for one in found.outputs} == {29}
+
+
+# Published by imu-calib for five MPU-9150: s_x, s_y, s_z [%], m_yz, m_xy, m_xz [deg]
+# and b_x, b_y, b_z [m/s^2] of ((1 + s_x, m_xy, m_xz), (0, 1 + s_y, m_yz), ...).
+LOT = (
+    (0.363, 0.315, 0.647, 0.123, 0.02, 0.317, 0.103, 0.097, 0.344),
+    (0.471, 0.482, 0.932, -0.284, -0.01, 0.145, 0.09, 0.07, 0.338),
+    (0.382, 0.355, 0.78, 0.26, -0.012, 0.282, 0.096, 0.008, -0.045),
+    (0.263, 0.448, 0.721, -0.009, -0.028, -0.104, 0.065, 0.092, -0.009),
+    (0.251, 0.286, 0.804, 0.056, 0.0, 0.191, 0.07, 0.036, 0.182),
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", range(5))
+def test_a_published_lot_comes_out(unit):
+    """Rests by hand of five units: all 45 figures within 1.5 u."""
+    folder = TESTS / "data" / "mpu-9150" / "rests"
+    how = folder / f"procedure-{24 if unit == 3 else 22}.yaml"
+    found = calibrate(folder / f"unit-{unit}.csv", procedure=how)
+    (triad,) = found.matrix
+    S, u = np.array(triad.sensor_from_body), np.array(triad.standard_uncertainty)
+    rows, columns = (0, 1, 2, 1, 0, 0), (0, 1, 2, 2, 1, 2)
+    size = np.repeat([1e-2, np.pi / 180.0, 1.0], 3)
+    value = np.concatenate([(S - np.eye(3))[rows, columns], triad.bias])
+    off = value - np.array(LOT[unit]) * size
+    assert_allclose(off[:6], 0.0, atol=2e-4)
+    assert_allclose(off[6:], 0.0, atol=1.5e-3)
+    of_u = off / np.concatenate([u[rows, columns], triad.bias_standard_uncertainty])
+    assert np.abs(of_u).max() < 1.5
+
+
 def test_validate_says_before_what_a_run_may_not_show():
     """As calibrate does after it; of a device without noise that it is not told."""
     found = call("validate", "zhao-2019", "six-positions-and-turns")
