@@ -878,6 +878,11 @@ class Recorded:
         takes="recording",
     )
 
+    @property
+    def files(self) -> list[Any]:
+        """What it names."""
+        return [] if self.recording is None else [self.recording]
+
     def load(self, *given: Recording | File) -> list[Recording]:
         """Load recordings, each as it is to be read.
 

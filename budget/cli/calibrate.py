@@ -93,7 +93,7 @@ def calibrate(
         out.json,
         out.csv,
         *out.output,
-        inputs=[*runs, recorded.recording, windows, device, *inputs.files],
+        inputs=[*runs, *recorded.files, windows, device, *inputs.files],
     )
     found = find(
         *runs,

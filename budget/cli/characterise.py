@@ -80,7 +80,7 @@ def characterise(
         out.json,
         out.csv,
         *out.output,
-        inputs=[*logs, recorded.recording, *inputs.files],
+        inputs=[*logs, *recorded.files, *inputs.files],
     )
     with computing(engine) as engine_told:
         found = find(

@@ -294,6 +294,7 @@ _COMPLETE = {
     "source": complete_source,
     "output": complete_output,
 }
+_PATHS = ("recording", "page", "folder", "document")
 _TYPES = {"int": int, "bool": bool}
 
 
@@ -357,10 +358,7 @@ def given(context: typer.Context, *kinds: type) -> list[str]:
 def _option(row: Row) -> Parameter:
     """Return an option as typer takes it."""
     kind: Any = _TYPES.get(row.type.partition(" |")[0], str)
-    if (
-        row.takes in {*FILES, "recording", "page", "folder", "document"}
-        and not row.words
-    ):
+    if row.takes in {*FILES, *_PATHS} and not row.words:
         kind = Path
     if row.choices:
         kind = Literal[row.choices]
