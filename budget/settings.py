@@ -277,10 +277,11 @@ def read_rate(text: str) -> float:
     CallError
         It is none.
     """
-    from budget.units import parse_quantity
+    from budget.units import NUMBER, parse_quantity
 
+    is_bare = len(text) <= LONGEST_NUMBER and re.fullmatch(NUMBER, text.strip())
     try:
-        rate = parse_quantity(text, "Hz", bare="Hz").value
+        rate = float(text) if is_bare else parse_quantity(text, "Hz").value
     except UnitError as error:
         raise CallError(str(error)) from None
     if not LEAST_RATE <= rate <= MOST_RATE:

@@ -750,7 +750,7 @@ def prior_of(sensor: Sensor, largest: float, *, is_scaled: bool = True) -> Prior
             for target, gains in effect.gains(known).items():
                 variance[target] += (gains[0] ** 2) @ line.u**2
     if not is_scaled:
-        given -= {"scale_factor"}
+        given -= {"scale_factor", "bias"}  # nobody knows where counts begin
     size = {"scale_factor": 1.0, "mounting_angle": 1.0, "bias": largest}
     parts, is_known = [], []
     for key, n in shapes.items():

@@ -9,7 +9,7 @@ the estimate by the readings, J s^2 J'.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date as Day  # noqa: N812 - one word with one meaning
 from math import hypot, inf, log, sqrt
 from typing import TYPE_CHECKING, Any
@@ -140,6 +140,8 @@ class _Triad:
         """What the design has of them; nan of the scale factors of counts."""
         own = np.full(3, np.nan) if self.has_counts else np.zeros(3)
         angle, bias = self.sensor.nominal_mounting_angle, self.sensor.nominal_bias
+        if self.has_counts:  # nobody knows where they begin
+            bias = np.full(3, np.nan)
         more = np.full(len(self.values) - 12, np.nan)
         return np.concatenate([own, angle, bias, more])
 
@@ -302,6 +304,12 @@ def _triads(
                 f"it, or let the window be of the other triad alone (use)"
             )
         scheme = schemes_of([sensor], procedure)[kind]
+        still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
+        if len(still):
+            raise CallError(
+                f"{read.name}: {kind}_{'xyz'[still[0]]} reads the same in all windows; "
+                "is the channel connected, and its column the right one?"
+            )
         yield _triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
 
 
@@ -318,8 +326,6 @@ def _triad(
     if is_counted:
         size = float(np.abs(scheme.turn + scheme.standing).max())
         low, high = readings.min(axis=1), readings.max(axis=1)
-        if not (high > low).all():
-            raise CallError(f"the {sensor.kind} reads the same in all windows")
         scale, zero = (high - low) / (2.0 * size), (high + low) / 2.0
         if not isinstance(scheme, NormScheme):
             found = scheme.estimate((readings - zero[:, None]) / scale[:, None])
@@ -389,7 +395,9 @@ class _Made:
             covariance, nu = _by_scatter(triads, procedure, wanted)
         else:
             law = propagate(problem)
-            covariance, nu = law.covariance, law.degrees_of_freedom
+            from_zero = _from_zero(triads, wanted)
+            covariance = from_zero @ law.covariance @ from_zero.T
+            nu = law.degrees_of_freedom
         return cls(
             outputs=tuple(problem.outputs),
             value=_summed(wanted, places),
@@ -403,6 +411,23 @@ class _Made:
                 ]
             ),
         )
+
+
+def _from_zero(triads: Sequence[_Triad], wanted: Sequence[Name]) -> Array:
+    """Return derivatives of outputs by those of readings taken from their zero.
+
+    B = b + zero/K: a bias that is far from the middle of the readings is known no
+    better than K is.
+    """
+    rows = {name: row for row, name in enumerate(wanted)}
+    found = np.eye(len(wanted))
+    for one in triads:
+        for i, axis in enumerate(AXES):
+            bias = rows.get(Name("bias", owner=one.sensor.kind, axis=axis))
+            scale = rows.get(Name(SCALE_FACTOR, owner=one.sensor.kind, axis=axis))
+            if bias is not None and scale is not None:
+                found[bias, scale] = -one.zero[i] / one.scale_factor[i]
+    return found
 
 
 def _names(triad: _Triad, procedure: Procedure) -> list[Name]:
@@ -424,34 +449,52 @@ def _by_scatter(
 ) -> tuple[Array, Array]:
     """Return covariance and degrees of freedom of outputs by the scatter of readings.
 
+    Means have variances s^2 T0/T of white noise, T the median length of turns, or of
+    dwells; s^2 is the sum of squares of
+    the residuals R y over tr(R D R'), D = T0/T, with tr(A)^2/tr(A^2) degrees of
+    freedom, A = D^1/2 R'R D^1/2 (Welch and Satterthwaite). Dwells alone have the
+    residual mean square, with n less the parameters.
+
     Raises
     ------
     CallError
         There are no more readings than parameters.
     """
     n = len(wanted)
+    windows = windows_of(procedure)
     covariance, nu = np.zeros((n, n)), np.full(n, inf)
     for triad in triads:
         names = _names(triad, procedure)
         left = triad.residuals
         held = triad.scheme.held
+        D = np.ones(left.shape[1])
         if isinstance(triad.scheme, NormScheme):
-            free = [left.shape[1] - len(triad.scheme.held.estimated)] * 3
-            squares = np.full(3, float((left**2).sum()))
+            free = np.full(3, left.shape[1] - len(triad.scheme.held.estimated))
         else:
             which = np.zeros((3, 4), dtype=bool) if held is None else held.which
             fitted = (~which).sum(axis=1) + len(triad.scheme.orders)
-            free = [left.shape[1] - int(one) for one in fitted]
-            squares = (left**2).sum(axis=1)
+            free = left.shape[1] - fitted
+            own = [windows[k - 1] for k in triad.numbers]
+            times: dict[bool, list[float]] = {}
+            for one in own:
+                times.setdefault(bool(one.sense), []).append(one.length)
+            D = 1.0 / np.array([np.median(times[bool(one.sense)]) for one in own])
+            D /= D.min()
         if min(free) <= 0:
             raise CallError(
                 f"{procedure.name} has no more windows than parameters of the "
                 f"{triad.sensor.kind}, so that no scatter says how sure they are; "
                 "give the device (--device), or repeat windows"
             )
-        s = np.sqrt(squares / np.array(free)) * triad.found.scale_factor
-        J = _derivative(triad)  # (values, 3, n)
-        of_values = np.einsum("pin,i,qin->pq", J, s**2, J)
+        J, R = _derivative(triad)  # (values, 3, n), (3, n, n)
+        if isinstance(triad.scheme, NormScheme):
+            variance = float((left**2).sum()) / free * triad.found.scale_factor**2
+        else:
+            A = np.sqrt(D)[:, None] * np.einsum("iab,iac->ibc", R, R) * np.sqrt(D)
+            trace = np.einsum("ibb->i", A)
+            variance = (left**2).sum(axis=1) / trace
+            free = trace**2 / (A**2).sum(axis=(1, 2))
+        of_values = np.einsum("pin,i,n,qin->pq", J, variance, D, J)
         change = np.zeros((n, len(names)))
         for row, name in enumerate(wanted):
             for part, x in parts_of(name).items():
@@ -469,19 +512,29 @@ def _row_of(name: Name) -> int:
     return "xyz".index(name.axis[0])
 
 
-def _derivative(triad: _Triad) -> Array:
-    """Return the derivatives of relative values by scaled readings, (values, 3, n)."""
+def _derivative(triad: _Triad) -> tuple[Array, Array]:
+    """Return the derivatives of relative values and of residuals by scaled readings.
+
+    Of shapes (values, 3, n) and (3, n, n), each axis by its own.
+    """
     y = triad.scaled
+    left_of = triad.residuals  # one row by the norm
+    kept = np.zeros((3, y.shape[1], y.shape[1]))
     step = STEP * float(np.abs(y).max())
     found = np.zeros((len(triad.values), *y.shape))
     for axis in range(3):
         for k in range(y.shape[1]):
-            ends = []
+            ends, left = [], []
             for sign in (1.0, -1.0):
                 moved = y.copy()
                 moved[axis, k] += sign * step
                 one = triad.scheme.estimate(moved)
                 more = np.empty(0) if one.higher is None else one.higher
+                scale = triad.scale[:, None]
+                shown = replace(
+                    triad, readings=moved * scale + triad.zero[:, None], found=one
+                )
+                left.append(shown.residuals[min(axis, len(left_of) - 1)])
                 ends.append(
                     np.concatenate(
                         [
@@ -493,7 +546,8 @@ def _derivative(triad: _Triad) -> Array:
                     )
                 )
             found[:, axis, k] = (ends[0] - ends[1])[: len(found)] / (2.0 * step)
-    return found
+            kept[axis, :, k] = (left[0] - left[1]) / (2.0 * step)
+    return found, kept
 
 
 # ---- what is said of it --------------------------------------------------------------
@@ -514,10 +568,12 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     for one in triads if given.unit is not None else ():
         run = _run(one, there)
         try:
-            run.is_sound  # noqa: B018 - asked once, and kept
+            is_told = not run.is_sound or run.residual.degrees_of_freedom > 0
+            why = "" if is_told else sentence("calibrations.no_residual")
         except CallError as error:  # of a triad that nothing varies of
-            kind = one.sensor.kind
-            untold[kind] = sentence("calibrations.untold", why=str(error))
+            why = str(error)
+        if why:
+            untold[one.sensor.kind] = sentence("calibrations.untold", why=why)
         else:
             sound[one.sensor.kind] = run
     looks = [_suspicion(kind, run) for kind, run in sound.items() if not run.is_sound]
@@ -531,6 +587,14 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         for kind, run in sound.items()
         if run.residual.p < SUSPECT and kind not in named
     ]
+    outputs = tuple(_outputs(triads, made, given))
+    judged = {
+        Name(one.parameter, owner=one.sensor, axis=one.axis)
+        for one in outputs
+        if one.limit is not None
+    }
+    wanted = () if given.requirement is None else given.requirement.limits
+    not_judged = tuple(one.output for one in wanted if one.output not in judged)
     return RecordedCalibration(
         title=given.unit.name if given.unit else read.name,
         serial=given.serial,
@@ -539,7 +603,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         estimator=there.formulas,
         coverage=given.coverage,
         inputs=tuple(_files(given)),
-        outputs=tuple(_outputs(triads, made, given)),
+        outputs=outputs,
         covariance=tuple(map(tuple, _printed_covariance(triads, made).tolist())),
         matrix=tuple(_matrix(one, made) for one in triads),
         windows=windows,
@@ -554,10 +618,19 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
             *how.assumptions,
             sentence("calibrations.as_tested"),
         ),
-        warnings=(*_warnings(given, triads), *untold.values()),
+        warnings=(
+            *_warnings(given, triads),
+            *untold.values(),
+            *(
+                [sentence("calibrations.not_judged", names=not_judged)]
+                if not_judged
+                else []
+            ),
+        ),
         least_p=SUSPECT,
         untold=tuple(untold),
         lacks=_lacks(given, triads),
+        not_judged=not_judged,
     )
 
 

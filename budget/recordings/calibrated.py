@@ -293,6 +293,8 @@ class RecordedCalibration(Documented):
         Triads whose soundness nothing tells.
     lacks : tuple of Name
         Lines that would add to uncertainties, and are not given.
+    not_judged : tuple of Name
+        Outputs that have a limit, and no value in its unit here.
     """
 
     title: str
@@ -317,6 +319,7 @@ class RecordedCalibration(Documented):
     least_p: float = 0.001
     untold: tuple[str, ...] = ()
     lacks: tuple[Name, ...] = ()
+    not_judged: tuple[Name, ...] = ()
 
     @property
     def is_sound(self) -> bool | None:
@@ -336,9 +339,10 @@ class RecordedCalibration(Documented):
 
     @property
     def is_open(self) -> bool:
-        """Whether limits stand beside uncertainties that are lower bounds."""
+        """Whether limits are not judged: of what is not found, or not known well."""
         has_limit = any(one.limit is not None for one in self.outputs)
-        return bool(self.lacks) and has_limit and not self.missed
+        is_lower = has_limit and bool(self.lacks or self.untold)
+        return (is_lower or bool(self.not_judged)) and not self.missed
 
     @property
     def missed(self) -> tuple[CalibratedOutput, ...]:
