@@ -849,7 +849,7 @@ class Inputs(Use):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recorded:
+class RecordingSettings:
     """How recordings are read, where they do not say it themselves."""
 
     rate: float | None = setting(
@@ -937,7 +937,7 @@ def _listed(choices: Sequence[str]) -> str:
 written("settings", _document(), fills=fills)(Settings)
 
 
-RECORDS = {one.__name__: one for one in (Asked, Engine, Inputs, Recorded)}
+RECORDS = {one.__name__: one for one in (Asked, Engine, Inputs, RecordingSettings)}
 
 
 def asking(job: str) -> Callable[[Callable[..., T]], Callable[..., T]]:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from budget.cli import options
-from budget.settings import Asked, Inputs, Recorded
+from budget.settings import Asked, Inputs, RecordingSettings
 
 
 @options.asking("calibrate")
@@ -35,7 +35,7 @@ def calibrate(
             show_default=False,
         ),
     ] = None,
-    recorded: Recorded,
+    recorded: RecordingSettings,
     windows: Annotated[
         Path | None,
         options.judged(

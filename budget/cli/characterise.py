@@ -11,7 +11,7 @@ import typer
 
 from budget.cli import options
 from budget.cli.export import NAMES, read_target
-from budget.settings import Asked, Engine, Inputs, Recorded
+from budget.settings import Asked, Engine, Inputs, RecordingSettings
 
 
 @options.asking("characterise")
@@ -28,7 +28,7 @@ def characterise(
         ),
     ],
     *,
-    recorded: Recorded,
+    recorded: RecordingSettings,
     attitude: Annotated[
         str | None,
         options.judged(

@@ -59,7 +59,7 @@ from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
-from budget.settings import Asked, Inputs, Recorded, asking
+from budget.settings import Asked, Inputs, RecordingSettings, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ class _Triad:
 def calibrate(
     *runs: Recording | File,
     device: Device | File | None = None,
-    recorded: Recorded,
+    recorded: RecordingSettings,
     windows: File | None = None,
     serial: str = "",
     date: str = "",
@@ -1036,6 +1036,7 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
             for one in triads
         ),
         (far, sentence("calibrations.far", names=far)),
+        (not read.has_one_clock, sentence("calibrations.no_pauses")),
         (left, sentence("calibrations.not_calibrated", sensors=left)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),

@@ -37,7 +37,7 @@ from budget.recordings.records import (
 )
 from budget.results import InputFile
 from budget.sentences import sentence
-from budget.settings import Engine, Inputs, Recorded, asking
+from budget.settings import Engine, Inputs, RecordingSettings, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ class Rest:
 @asking("characterise")
 def characterise(
     *logs: Recording | File,
-    recorded: Recorded,
+    recorded: RecordingSettings,
     attitude: str | None = None,
     inputs: Inputs,
     engine: Engine,

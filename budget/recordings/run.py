@@ -13,7 +13,7 @@ import io
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
-from itertools import pairwise, permutations, product
+from itertools import accumulate, pairwise, permutations, product
 from math import acos, cos, degrees, inf, log, radians
 from typing import TYPE_CHECKING
 
@@ -103,6 +103,8 @@ class RecordedWindows:
         Begins and ends of rests that are no window [s].
     is_as_planned : bool
         Whether the unit rested at the attitudes of the procedure.
+    has_one_clock : bool
+        Whether the stamps of all recordings go on, if there are several.
     health : mapping of str to tuple of WindowHealth
         By triad, of each window; of a table of means nothing is known of it.
     """
@@ -114,6 +116,7 @@ class RecordedWindows:
     has_counts: Mapping[str, bool]
     passed_over: tuple[tuple[float, float], ...] = ()
     is_as_planned: bool = True
+    has_one_clock: bool = True
     health: Mapping[str, tuple[WindowHealth, ...]] = field(default_factory=dict)
 
 
@@ -152,7 +155,8 @@ def read_windows(
     spans: Sequence[_Span]
     found: Sequence[_Segment] = ()
     is_as_planned = True
-    tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
+    tracks = [_read_track(one, number) for number, one in enumerate(recordings)]
+    starts, has_one_clock = _starts(tracks)
     if times is not None:
         if len(tracks) > 1:
             raise CallError(
@@ -178,7 +182,7 @@ def read_windows(
     there = []
     begin = 0.0
     for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
-        start = span.start - tracks[span.track].begin + tracks[span.track].offset
+        start = span.start - tracks[span.track].begin + starts[span.track]
         begin = start if k == 0 else begin
         length = span.end - span.start
         if not window.sense:  # what a mean is of, so that its noise is that of so long
@@ -196,8 +200,21 @@ def read_windows(
         },
         passed_over=tuple(_passed_over(found, spans)),
         is_as_planned=is_as_planned,
+        has_one_clock=has_one_clock,
         health={kind: tuple(own) for kind, own in health.items()},
     )
+
+
+def _starts(tracks: Sequence[_Track]) -> tuple[list[float], bool]:
+    """Return when recordings begin after the first [s]; whether their stamps say it.
+
+    Where stamps do not go on, each begins where the one before ended.
+    """
+    first = tracks[0].begin
+    if all(one.end < other.begin for one, other in pairwise(tracks)):
+        return [one.begin - first for one in tracks], True
+    lengths = [one.end - one.begin + 1.0 / one.rate for one in tracks[:-1]]
+    return [0.0, *accumulate(lengths)], False
 
 
 def _parts(
@@ -218,7 +235,9 @@ def _parts(
         own = {}
         track = tracks[span.track]
         for kind, (times, values) in track.values.items():
-            a, b = np.searchsorted(times, (span.start, span.end)).tolist()
+            # An end of a span is a stamp to rounding: a quarter of a sample is no time.
+            limits = np.array([span.start, span.end]) - 0.25 / track.rate
+            a, b = np.searchsorted(times, limits).tolist()
             if b - a < LEAST_SAMPLES:
                 raise CallError(
                     f"{name}: window {k + 1} ({window.name}) has {b - a} samples "
@@ -549,7 +568,7 @@ class _Track:
     rate: float
     sha256: tuple[tuple[str, str], ...]
     begin: float
-    offset: float
+    end: float
     range_end: Mapping[str, float]  # that is stated [SI]
 
     @cached_property
@@ -640,6 +659,7 @@ def _read_track(recording: Recording, number: int) -> _Track:
             if stated[0] is not None:
                 ends[kind] = stated[0]
     begin = min(float(times[0]) for times, _ in values.values())
+    end = max(float(times[-1]) for times, _ in values.values())
     return _Track(
         number=number,
         values=values,
@@ -647,7 +667,7 @@ def _read_track(recording: Recording, number: int) -> _Track:
         rate=min(rates),
         sha256=tuple(files),
         begin=begin,
-        offset=0.0,
+        end=end,
         range_end=ends,
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -113,6 +114,46 @@ def test_a_rest_too_many_is_listed_and_one_missing_refused(folder):
     found = calibrate("more.csv", procedure="six.yaml", device="mems.yaml")
     assert len(found.passed_over) == 1
     assert found.passed_over[0].end < 0.0
+
+
+def test_several_recordings_are_one_after_the_other(folder):
+    """In parts a run says what it says as a whole, at the times at which it was.
+
+    Lines of correlated noise hang on the time between windows: parts that all began at
+    0 were not sound, by a mistake that nobody had committed.
+    """
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2)
+    head, *rows = "".join(made.csv()).splitlines(keepends=True)
+    (folder / "whole.csv").write_text("".join([head, *rows]), encoding="utf-8")
+    ends = [x.window.end for x in made.steps if x.place in {3, 5}]
+    cuts = [0, *(int((end + 2.5) * 50.0) for end in sorted(ends)), len(rows)]
+    names = []
+    for k, (a, b) in enumerate(pairwise(cuts)):
+        names.append(f"part-{k}.csv")
+        (folder / names[-1]).write_text("".join([head, *rows[a:b]]), encoding="utf-8")
+    for k, name in enumerate(names):
+        own = (folder / name).read_text(encoding="utf-8").splitlines()[1:]
+        bare = [one.split(",", 1)[1] for one in own]
+        text = [head.split(",", 1)[1].strip(), *bare]
+        (folder / f"bare-{k}.csv").write_text("\n".join(text) + "\n", encoding="utf-8")
+    given = {"procedure": "six.yaml", "device": "mems.yaml"}
+    whole = calibrate("whole.csv", **given)
+    parts = calibrate(*names, **given)
+    bare = calibrate(*(f"bare-{k}.csv" for k in range(3)), rate=50.0, **given)
+    for found in (parts, bare):
+        for field in ("start", "length"):
+            assert_allclose(
+                [getattr(x, field) for x in found.windows],
+                [getattr(x, field) for x in whole.windows],
+                rtol=0.0,
+                atol=0.1,  # s: edges of rests by the scatter of each part
+            )
+        assert_allclose(
+            [x.p for x in found.chi_square], [x.p for x in whole.chi_square], rtol=0.2
+        )
+        assert found.is_sound
+    assert not any("pauses" in x for x in (*whole.warnings, *parts.warnings))
+    assert any("pauses" in x for x in bare.warnings)
 
 
 def test_least_squares_by_hand(folder):
