@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import date as Day  # noqa: N812 - one word with one meaning
-from functools import partial
 from math import inf, sqrt
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,7 +29,7 @@ from budget.settings import Asked, Inputs, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
     from budget.inputs.files import File
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
 
 YEAR = 365.25  # [days]
 LEAST = 2  # calibrations of which there is a drift
-DRIFTS, STEADY = "drifts", "steady"
+DRIFTS, STEADY, NOT_TOLD = "drifts", "steady", "not told"
 OLDER = 1.959964  # normal, of 95 %
 RESULT = "*.json"
 
@@ -77,8 +76,10 @@ class CalibratedValue(Documented):
     drift_low [unit/year]: of its interval at 95 %
     drift_high [unit/year]
     scatter [1]: of the values about it, over what they are known to; null of two
-    p [1]: probability of as large a slope where nothing drifts
-    standing: 'drifts' where p is below 5 % over all parameters, else 'steady'
+    p or null [1]: probability of as large a slope where nothing drifts; null of two
+      values, whose scatter nobody knows
+    standing: 'drifts' where p is below 5 % over all parameters, 'not told' without p,
+      else 'steady'
     ageing [unit]: standard uncertainty of what a year adds, by the data sheet;
       null where none says it
     is_older: whether it drifts more than the data sheet says, at 95 %
@@ -101,7 +102,7 @@ class HistoryRow(Documented):
     drift_low: float
     drift_high: float
     scatter: float | None
-    p: float
+    p: float | None
     standing: str
     ageing: float | None
     is_older: bool
@@ -288,7 +289,7 @@ def _row(
     size = 1.0 if "counts" in own else size_of(own)
     ageing = None if unit is None else _ageing(unit, key, size)
     ends = slope - reach, slope + reach
-    drifts = fitted.p < level
+    drifts = fitted.p is not None and fitted.p < level
     least = 0.0 if ends[0] <= 0.0 <= ends[1] else min(map(abs, ends))
     allowed = None if limit is None or size == 1.0 else limit / size
     left = None if allowed is None else max(allowed - float(expanded[-1]), 0.0)
@@ -313,7 +314,7 @@ def _row(
         drift_high=ends[1],
         scatter=fitted.scatter,
         p=fitted.p,
-        standing=DRIFTS if drifts else STEADY,
+        standing=NOT_TOLD if fitted.p is None else DRIFTS if drifts else STEADY,
         ageing=ageing,
         is_older=ageing is not None and least > OLDER * ageing,
         limit=allowed,
@@ -329,11 +330,14 @@ class StraightLine:
     slope: float
     reach: float
     scatter: float | None
-    p: float
+    p: float | None
 
 
 def drift_of(times: Array, values: Array, u: Array) -> StraightLine:
     """Fit a straight line.
+
+    By Student's t of n - 2, with the root of chi-square over n - 2 (Birge) where that
+    is above 1: a scatter that happens to be small is no proof that it is known.
 
     Parameters
     ----------
@@ -345,7 +349,7 @@ def drift_of(times: Array, values: Array, u: Array) -> StraightLine:
     CallError
         All are of one day.
     """
-    from scipy.special import ndtr, stdtr, stdtrit
+    from scipy.special import stdtr, stdtrit
 
     if np.ptp(times) <= 0.0:
         raise CallError("all calibrations are of one day; there is no drift to tell")
@@ -355,20 +359,17 @@ def drift_of(times: Array, values: Array, u: Array) -> StraightLine:
     Q = float((w * (times - middle) ** 2).sum())
     slope = float((w * (times - middle) * (values - mean)).sum()) / Q
     nu = len(times) - LEAST
-    scatter = None
-    u_slope, k = 1.0 / sqrt(Q), OLDER
-    tail: Callable[[float], Any] = ndtr
-    if nu > 0:
-        left = values - mean - slope * (times - middle)
-        scatter = sqrt(float((w * left**2).sum()) / nu)
-        if scatter > 1.0:
-            u_slope *= scatter
-            k, tail = float(stdtrit(nu, 0.975)), partial(stdtr, nu)
+    u_slope = 1.0 / sqrt(Q)
+    if nu <= 0:
+        return StraightLine(slope=slope, reach=OLDER * u_slope, scatter=None, p=None)
+    left = values - mean - slope * (times - middle)
+    scatter = sqrt(float((w * left**2).sum()) / nu)
+    u_slope *= max(1.0, scatter)
     return StraightLine(
         slope=slope,
-        reach=k * u_slope,
+        reach=float(stdtrit(nu, 0.975)) * u_slope,
         scatter=scatter,
-        p=2.0 * float(tail(-abs(slope) / u_slope)),
+        p=2.0 * float(stdtr(nu, -abs(slope) / u_slope)),
     )
 
 

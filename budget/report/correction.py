@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from budget.errors import CallError
+from budget.names import ORDERS
 from budget.recordings.columns import LIKE
 from budget.resources import own_templates, template_environment
 from budget.version import __version__
@@ -48,10 +49,17 @@ def correction_code(found: RecordedCalibration, *, to: str) -> str:
     Raises
     ------
     CallError
-        It is none of them.
+        It is none of them, or higher orders were found.
     """
     if to not in CORRECTIONS:
         raise CallError(f"to is {to!r}, allowed: {', '.join(CORRECTIONS)}")
+    orders = sorted({x.parameter for x in found.outputs if x.parameter in ORDERS})
+    if orders:
+        raise CallError(
+            f"{found.procedure} found {' and '.join(orders)}, and code is of bias and "
+            "matrix alone; calibrate by a procedure without it, or take the values of "
+            "--json"
+        )
     sound = {True: "sound", False: "NOT SOUND", None: "soundness not known"}
     parts = (found.title, found.serial, found.date, found.procedure)
     said = ", ".join(json.dumps(one) for one in parts if one)

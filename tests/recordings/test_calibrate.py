@@ -418,7 +418,8 @@ def test_the_correction_gives_back_the_input(folder):
         (folder / "c.c").write_text(
             '#include <stdio.h>\n#include "c.h"\nint main(void) {\n'
             f"double r[3] = {{{', '.join(map(repr, reading.tolist()))}}}, u[3];\n"
-            'gyro_correct(r, u); printf("%.17g %.17g %.17g", u[0], u[1], u[2]);\n'
+            "gyro_correct(r, u); gyro_correct(r, r);  // in place too\n"
+            'for (int i = 0; i < 6; ++i) printf("%.17g ", i < 3 ? u[i] : r[i - 3]);\n'
             "return 0; }\n",
             encoding="utf-8",
         )
@@ -428,7 +429,9 @@ def test_the_correction_gives_back_the_input(folder):
         )
         printed = subprocess.run(["./c"], check=True, capture_output=True).stdout
         assert_allclose(
-            np.array(printed.split(), dtype=float), own["gyro"](reading), rtol=1e-9
+            np.array(printed.split(), dtype=float),
+            np.tile(own["gyro"](reading), 2),
+            rtol=1e-9,
         )
     assert call(*words, "--to", "cobol").code == 2
 
@@ -760,3 +763,53 @@ def test_a_bias_far_from_the_middle_of_counts_is_known_no_better_than_they_are(f
         for x in other.outputs
         if x.parameter == "bias" and x.sensor == "gyro"
     )
+
+
+def test_a_run_of_no_more_windows_than_parameters_is_not_told(folder):
+    """What least squares leaves nothing of says nothing of the run."""
+    (folder / "four.yaml").write_text(
+        "name: four\nlatitude: 34.2394 deg\ngravity: normal\n"
+        "estimator: least_squares\nwindows:\n"
+        + "".join(
+            f"  - {{face: {face}, dwell: 10 s, use: accelerometer}}\n"
+            for face in ("z up", "z down", "x up", "y up")
+        ),
+        encoding="utf-8",
+    )
+    sheet = {k: MEMS[k] for k in MEMS if k != "gyro"}
+    (folder / "acc.yaml").write_text(json.dumps(sheet), encoding="utf-8")
+    made = simulated_run("acc.yaml", procedure="four.yaml", seed=1, means=True)
+    found = calibrate(written(folder, made), procedure="four.yaml", device="acc.yaml")
+    assert found.is_sound is None
+    assert any("no more windows than parameters" in x for x in found.warnings)
+
+
+def test_a_limit_that_is_not_judged_is_not_met(folder):
+    """Of a sensor that was not recorded: listed, and exit code 1."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    own = [k for k, one in enumerate(rows[0]) if not one.startswith("gyro")]
+    text = "\n".join(",".join(row[k] for k in own) for row in rows)
+    (folder / "acc.csv").write_text(text + "\n", encoding="utf-8")
+    (folder / "limits.yaml").write_text(
+        "name: limits\nreference: as_tested\nlimits:\n  gyro:\n    bias: 1000 deg/h\n",
+        encoding="utf-8",
+    )
+    words = ("calibrate", "acc.csv", "--procedure", "six.yaml", "--device", "mems.yaml")
+    found = call(*words, "--requirement", "limits.yaml")
+    assert found.code == 1
+    assert "cannot judge: gyro bias" in " ".join(found.out.split()).replace(".", " ")
+
+
+def test_a_channel_that_reads_the_same_in_all_windows_is_refused(folder):
+    """It is not connected: no scale factor of -100 % that is known to 1e-11 ppm."""
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    place = next(k for k, one in enumerate(rows[0]) if one.startswith("gyro_x"))
+    for row in rows[1:]:
+        row[place] = row[place] and "0.25"
+    (folder / "dead.csv").write_text(
+        "\n".join(map(",".join, rows)) + "\n", encoding="utf-8"
+    )
+    with pytest.raises(CallError, match="gyro_x reads the same in all windows"):
+        calibrate("dead.csv", procedure="six.yaml")

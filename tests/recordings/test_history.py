@@ -64,7 +64,22 @@ def test_intervals_hold_the_drift():
         abs(one.slope) <= one.reach / 2.0
         for one in (drift_of(t, u * rng.normal(size=5), u) for _ in range(runs))
     )
-    assert half < 0.85 * runs  # the control
+    assert half < binom.ppf(1e-3, runs, 0.95)  # the control
+
+
+def test_scatter_beyond_what_values_are_known_to_is_no_drift():
+    """Turn-ons of a steady unit scatter by three times u: at 5 % as seldom as said."""
+    rng = np.random.default_rng(3)
+    t, u, runs = np.arange(3.0), np.ones(3), 2000
+    p = [drift_of(t, 3.0 * rng.normal(size=3), u).p for _ in range(runs)]
+    assert sum(one < 0.05 for one in p) <= binom.ppf(1.0 - 1e-3, runs, 0.05)
+
+
+def test_two_calibrations_tell_no_drift():
+    """Nobody knows their scatter."""
+    found = drift_of(np.arange(2.0), np.array([0.0, 100.0]), np.ones(2))
+    assert found.p is None
+    assert found.scatter is None
 
 
 def test_a_limit_is_reached_when_drift_and_u_are_as_large(tmp_path):

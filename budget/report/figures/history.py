@@ -43,7 +43,7 @@ def history_plots(found: CalibrationHistory) -> list[Plot]:
 
 def _plot(sensor: str, parameter: str, rows: Sequence[HistoryRow]) -> Plot:
     """Show one parameter of one sensor."""
-    worst = min(rows, key=lambda one: one.p)
+    worst = min(rows, key=lambda one: 1.0 if one.p is None else one.p)
     first = rows[0]
     told, table = figure(
         "figures_history",
