@@ -111,7 +111,9 @@ def computing_on(kernel, threads, folder):
 
         def wait():
             out, _ = process.communicate()
-            assert process.returncode == 0
+            if process.returncode == -4:  # SIGILL: this processor lacks those kernels
+            return None
+        assert process.returncode == 0
             found = json.loads(out.splitlines()[-1])
             # The library has names of its own for some kernels.
             assert {number for _, number in found["kernels"]} == {threads}
