@@ -112,8 +112,8 @@ def computing_on(kernel, threads, folder):
         def wait():
             out, _ = process.communicate()
             if process.returncode == -4:  # SIGILL: this processor lacks those kernels
-            return None
-        assert process.returncode == 0
+                return None
+            assert process.returncode == 0
             found = json.loads(out.splitlines()[-1])
             # The library has names of its own for some kernels.
             assert {number for _, number in found["kernels"]} == {threads}
