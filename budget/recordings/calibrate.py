@@ -9,7 +9,7 @@ the estimate by the readings, J s^2 J'.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import date as Day  # noqa: N812 - one word with one meaning
 from math import hypot, inf, log, sqrt
 from typing import TYPE_CHECKING, Any
@@ -450,10 +450,10 @@ def _by_scatter(
     """Return covariance and degrees of freedom of outputs by the scatter of readings.
 
     Means have variances s^2 T0/T of white noise, T the median length of turns, or of
-    dwells; s^2 is the sum of squares of
-    the residuals R y over tr(R D R'), D = T0/T, with tr(A)^2/tr(A^2) degrees of
-    freedom, A = D^1/2 R'R D^1/2 (Welch and Satterthwaite). Dwells alone have the
-    residual mean square, with n less the parameters.
+    dwells; s^2 is the sum of squares of the residuals R y over tr(A), with
+    tr(A)^2/tr(A^2) degrees of freedom, A = D^1/2 R'R D^1/2, D = T0/T (Welch and
+    Satterthwaite). Dwells alone have the residual mean square, with n less the
+    parameters.
 
     Raises
     ------
@@ -486,14 +486,14 @@ def _by_scatter(
                 f"{triad.sensor.kind}, so that no scatter says how sure they are; "
                 "give the device (--device), or repeat windows"
             )
-        J, R = _derivative(triad)  # (values, 3, n), (3, n, n)
-        if isinstance(triad.scheme, NormScheme):
-            variance = float((left**2).sum()) / free * triad.found.scale_factor**2
-        else:
+        variance = (left**2).sum(axis=1) * triad.found.scale_factor**2 / free
+        if not isinstance(triad.scheme, NormScheme):
+            R = _left(triad)
             A = np.sqrt(D)[:, None] * np.einsum("iab,iac->ibc", R, R) * np.sqrt(D)
             trace = np.einsum("ibb->i", A)
-            variance = (left**2).sum(axis=1) / trace
+            variance *= free / trace
             free = trace**2 / (A**2).sum(axis=(1, 2))
+        J = _derivative(triad)  # (values, 3, n)
         of_values = np.einsum("pin,i,n,qin->pq", J, variance, D, J)
         change = np.zeros((n, len(names)))
         for row, name in enumerate(wanted):
@@ -512,29 +512,19 @@ def _row_of(name: Name) -> int:
     return "xyz".index(name.axis[0])
 
 
-def _derivative(triad: _Triad) -> tuple[Array, Array]:
-    """Return the derivatives of relative values and of residuals by scaled readings.
-
-    Of shapes (values, 3, n) and (3, n, n), each axis by its own.
-    """
+def _derivative(triad: _Triad) -> Array:
+    """Return the derivatives of relative values by scaled readings, (values, 3, n)."""
     y = triad.scaled
-    left_of = triad.residuals  # one row by the norm
-    kept = np.zeros((3, y.shape[1], y.shape[1]))
     step = STEP * float(np.abs(y).max())
     found = np.zeros((len(triad.values), *y.shape))
     for axis in range(3):
         for k in range(y.shape[1]):
-            ends, left = [], []
+            ends = []
             for sign in (1.0, -1.0):
                 moved = y.copy()
                 moved[axis, k] += sign * step
                 one = triad.scheme.estimate(moved)
                 more = np.empty(0) if one.higher is None else one.higher
-                scale = triad.scale[:, None]
-                shown = replace(
-                    triad, readings=moved * scale + triad.zero[:, None], found=one
-                )
-                left.append(shown.residuals[min(axis, len(left_of) - 1)])
                 ends.append(
                     np.concatenate(
                         [
@@ -546,8 +536,7 @@ def _derivative(triad: _Triad) -> tuple[Array, Array]:
                     )
                 )
             found[:, axis, k] = (ends[0] - ends[1])[: len(found)] / (2.0 * step)
-            kept[axis, :, k] = (left[0] - left[1]) / (2.0 * step)
-    return found, kept
+    return found
 
 
 # ---- what is said of it --------------------------------------------------------------
@@ -619,13 +608,8 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
             sentence("calibrations.as_tested"),
         ),
         warnings=(
-            *_warnings(given, triads),
+            *_warnings(given, triads, not_judged),
             *untold.values(),
-            *(
-                [sentence("calibrations.not_judged", names=not_judged)]
-                if not_judged
-                else []
-            ),
         ),
         least_p=SUSPECT,
         untold=tuple(untold),
@@ -820,19 +804,27 @@ def _residual_u(triad: _Triad, run: TriadRun | NormRun) -> Array:
         noise = np.sqrt(np.diag(run.covariance)) / (2.0 * g)
         return np.asarray(np.where(found > TINY * noise, found, np.inf))[None]
     n = triad.readings.shape[1]
-    A = np.column_stack(
-        [triad.scheme.turn + triad.scheme.standing, np.ones(n), np.zeros((n, 0))]
-    )
     C = run.covariance.reshape(3, n, 3, n)
-    found = np.empty((3, n))
-    for axis in range(3):
-        columns = A
-        if triad.scheme.orders:
-            columns = np.column_stack([A, triad.scheme.powers[axis]])
-        R = np.eye(n) - columns @ triad.scheme.weights[axis]
-        found[axis] = np.sqrt(np.maximum(np.diag(R @ C[axis, :, axis] @ R.T), 0.0))
+    found = np.array(
+        [
+            np.sqrt(np.maximum(np.diag(R @ C[axis, :, axis] @ R.T), 0.0))
+            for axis, R in enumerate(_left(triad))
+        ]
+    )
     noise = np.sqrt(np.diag(run.covariance)).reshape(3, n)
     return np.asarray(np.where(found > TINY * noise, found, np.inf))
+
+
+def _left(triad: _Triad) -> Array:
+    """Return R of residuals R y, 1 - A W of each axis, (3, n, n)."""
+    scheme = triad.scheme
+    n = triad.readings.shape[1]
+    A = np.column_stack([scheme.turn + scheme.standing, np.ones(n)])
+    columns = [
+        np.column_stack([A, scheme.powers[axis]]) if scheme.orders else A
+        for axis in range(3)
+    ]
+    return np.array([np.eye(n) - a @ w for a, w in zip(columns, scheme.weights)])
 
 
 def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...]:
@@ -1001,7 +993,9 @@ def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:
     return tuple(x for one in triads for x in one.sensor.expected_missing)
 
 
-def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
+def _warnings(
+    given: GivenOfRun, triads: Sequence[_Triad], not_judged: Sequence[Name]
+) -> Iterator[str]:
     """Yield what has to be said of a run besides."""
     read, how, unit = given.read, given.how, given.unit
     left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
@@ -1038,6 +1032,7 @@ def _warnings(given: GivenOfRun, triads: Sequence[_Triad]) -> Iterator[str]:
         (far, sentence("calibrations.far", names=far)),
         (not read.has_one_clock, sentence("calibrations.no_pauses")),
         (left, sentence("calibrations.not_calibrated", sensors=left)),
+        (not_judged, sentence("calibrations.not_judged", names=not_judged)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),
         (

@@ -1202,13 +1202,9 @@ def _price(segment: _Segment, windows: Sequence[Window], unit: float) -> float:
         off = segment.angle / unit / abs(window.setting.angle) - 1.0
         is_whole = abs(off) <= SAME_TURN or (segment.is_clipped and off < 0.0)
         is_it = is_whole and segment.is_back and price <= MOST_PACE
-        return (
-            price + abs(off)
-            if is_it and segment.is_clipped
-            else price
-            if is_it
-            else inf
-        )
+        if not is_it:
+            return inf
+        return price + abs(off) if segment.is_clipped else price
     return price
 
 

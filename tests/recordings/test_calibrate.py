@@ -223,7 +223,7 @@ def test_without_a_device_the_scatter_says_how_sure(folder):
     assert found.is_sound is None
     own = [one for one in found.outputs if one.parameter == "bias"]
     nu = {one.sensor: one.degrees_of_freedom for one in own}
-    assert nu["accelerometer"] == pytest.approx(2.0, rel=1e-6)
+    assert nu["accelerometer"] == pytest.approx(2.0, rel=1e-6, abs=0.0)
     assert 2.0 < nu["gyro"] < 8.0  # turns are of other lengths than dwells
     k = {one.sensor: one.coverage_factor for one in own}
     assert_allclose(k["accelerometer"], 4.302653, rtol=1e-6)
@@ -751,7 +751,9 @@ def test_a_bias_far_from_the_middle_of_counts_is_known_no_better_than_they_are(f
         of(one, "bias").standard_uncertainty,
         32768.0 * K.standard_uncertainty / K.value**2,
     )
-    assert of(other, "bias").standard_uncertainty == pytest.approx(by_hand, rel=1e-3)
+    assert of(other, "bias").standard_uncertainty == pytest.approx(
+        by_hand, rel=1e-3, abs=0.0
+    )
     offsets = [
         next(x for x in run.matrix if x.sensor == "gyro").bias_standard_uncertainty
         for run in (one, other)
