@@ -492,7 +492,8 @@ def _by_scatter(
             A = np.sqrt(D)[:, None] * np.einsum("iab,iac->ibc", R, R) * np.sqrt(D)
             trace = np.einsum("ibb->i", A)
             variance *= free / trace
-            free = trace**2 / (A**2).sum(axis=(1, 2))
+            # Whole degrees are not to fall to the next lower by rounding.
+            free = np.round(trace**2 / (A**2).sum(axis=(1, 2)), 9)
         J = _derivative(triad)  # (values, 3, n)
         of_values = np.einsum("pin,i,n,qin->pq", J, variance, D, J)
         change = np.zeros((n, len(names)))
@@ -824,7 +825,7 @@ def _left(triad: _Triad) -> Array:
         np.column_stack([A, scheme.powers[axis]]) if scheme.orders else A
         for axis in range(3)
     ]
-    return np.array([np.eye(n) - a @ w for a, w in zip(columns, scheme.weights)])
+    return np.eye(n) - np.array(columns) @ np.array(scheme.weights)
 
 
 def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...]:
