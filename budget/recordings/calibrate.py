@@ -825,7 +825,7 @@ def _left(triad: _Triad) -> Array:
         np.column_stack([A, scheme.powers[axis]]) if scheme.orders else A
         for axis in range(3)
     ]
-    return np.eye(n) - np.array(columns) @ np.array(scheme.weights)
+    return np.asarray(np.eye(n) - np.array(columns) @ np.array(scheme.weights))
 
 
 def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...]:
