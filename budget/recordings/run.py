@@ -80,6 +80,7 @@ MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
 LEAST_SAMPLES = 3  # of a window
+ON_TIME = 0.5  # intervals that the first sample of the next file may be off [1]
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
 MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
 ELSEWHERE = 10.0  # price of such a rest
@@ -152,7 +153,7 @@ def read_windows(
     spans: Sequence[_Span]
     found: Sequence[_Segment] = ()
     is_as_planned = True
-    tracks = [_read_track(one, offset) for offset, one in enumerate(recordings)]
+    tracks = [*_on_one_clock([_read_track(one) for one in recordings])]
     if times is not None:
         if len(tracks) > 1:
             raise CallError(
@@ -178,7 +179,7 @@ def read_windows(
     there = []
     begin = 0.0
     for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
-        start = span.start - tracks[span.track].begin + tracks[span.track].offset
+        start = span.start + tracks[span.track].offset
         begin = start if k == 0 else begin
         length = span.end - span.start
         if not window.sense:  # what a mean is of, so that its noise is that of so long
@@ -543,14 +544,24 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
 class _Track:
     """A recording kept whole: times (n,) and readings (3, n) of each triad."""
 
-    number: int
     values: Mapping[str, tuple[Array, Array]]
     counts: Mapping[str, bool]
     rate: float
     sha256: tuple[tuple[str, str], ...]
-    begin: float
-    offset: float
     range_end: Mapping[str, float]  # that is stated [SI]
+    number: int = 0
+    offset: float = 0.0  # of the clock of the run to its own [s]
+
+    @property
+    def begin(self) -> float:
+        """When its first sample was [s]."""
+        return min(float(times[0]) for times, _ in self.values.values())
+
+    @property
+    def end(self) -> float:
+        """One interval after its last sample [s]."""
+        last = max(float(times[-1]) for times, _ in self.values.values())
+        return last + 1.0 / self.rate
 
     @cached_property
     def usual(self) -> Mapping[str, tuple[UsualSteps | None, ...]]:
@@ -583,7 +594,7 @@ class _Track:
         return np.flatnonzero(np.diff(self.smooth[0]) > MOST_JITTER / self.rate)
 
 
-def _read_track(recording: Recording, number: int) -> _Track:
+def _read_track(recording: Recording) -> _Track:
     """Read a recording whole.
 
     Raises
@@ -639,16 +650,68 @@ def _read_track(recording: Recording, number: int) -> _Track:
             stated = [stated_end(recording, one[1]) for one in own if one]
             if stated[0] is not None:
                 ends[kind] = stated[0]
-    begin = min(float(times[0]) for times, _ in values.values())
     return _Track(
-        number=number,
         values=values,
         counts=counts,
         rate=min(rates),
         sha256=tuple(files),
-        begin=begin,
-        offset=0.0,
         range_end=ends,
+    )
+
+
+def _on_one_clock(tracks: Sequence[_Track]) -> Iterator[_Track]:
+    """Yield recordings of one run on one clock; those without a pause are one.
+
+    Where stamps of one do not go on after those of the one before, it begins where
+    that ended.
+    """
+    last: _Track | None = None
+    number = 0
+    for own in tracks:
+        if last is None:
+            last = own
+            continue
+        step = own.begin - last.end
+        if _goes_on(last, own):
+            last = _joined(last, own)
+            continue
+        yield last
+        number += 1
+        offset = last.offset if step >= -ON_TIME / last.rate else last.offset - step
+        last = replace(own, number=number, offset=offset)
+    if last is not None:
+        yield last
+
+
+def _goes_on(last: _Track, own: _Track) -> bool:
+    """Whether a recording is the next piece of one, without a sample between them."""
+    return (
+        last.values.keys() == own.values.keys()
+        and last.counts == own.counts
+        and last.range_end == own.range_end
+        and abs(own.rate / last.rate - 1.0) <= SAME_RATE
+        and all(
+            abs((own.values[kind][0][0] - times[-1]) * last.rate - 1.0) <= ON_TIME
+            for kind, (times, _) in last.values.items()
+        )
+    )
+
+
+def _joined(last: _Track, own: _Track) -> _Track:
+    """Return two pieces as one recording."""
+    values = {
+        kind: (
+            np.concatenate([times, own.values[kind][0]]),
+            np.concatenate([readings, own.values[kind][1]], axis=1),
+        )
+        for kind, (times, readings) in last.values.items()
+    }
+    usual = [float(np.median(np.diff(times))) for times, _ in values.values()]
+    return replace(
+        last,
+        values=values,
+        rate=1.0 / max(usual),
+        sha256=(*last.sha256, *own.sha256),
     )
 
 

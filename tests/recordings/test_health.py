@@ -333,3 +333,58 @@ def test_spoilt_runs_are_read_or_refused(short, tmp_path, monkeypatch):
             json.dumps(answer.to_dict(), allow_nan=False)
     assert answers > 30
     assert 0 < longest < 8000
+
+
+def in_pieces(run, folder, cuts):
+    """Write a run in several files; return them."""
+    paths, rows = [], run.rows
+    for number, part in enumerate(np.split(rows, cuts)):
+        run.rows, run.gone = part, np.zeros(len(part), dtype=bool)
+        paths.append(run.write(folder / f"{number}.csv"))
+    run.rows, run.gone = rows, np.zeros(len(rows), dtype=bool)
+    return paths
+
+
+def between(run, windows):
+    """Return rows in the middle of the pauses before windows, counted from 1."""
+    return [(run.inside(k - 1)[-1] + run.inside(k)[0]) // 2 for k in windows]
+
+
+def test_files_whose_stamps_go_on_are_one_run(short, tmp_path):
+    """Windows, values and p are those of one file; a pause counts as it was."""
+    whole = short.write(tmp_path / "run.csv")
+    paths = in_pieces(
+        short, tmp_path, sorted([*between(short, [3, 8]), short.inside(5)[99]])
+    )
+    words = {"procedure": "six.yaml", "device": "mems.yaml"}
+    one, several = calibrate(whole, **words), calibrate(*paths, **words)
+    for key in ("start", "length"):
+        own, split = ([getattr(x, key) for x in y.windows] for y in (one, several))
+        assert_allclose(split, own, atol=1e-9)
+    values = [[x.value for x in y.outputs] for y in (several, one)]
+    assert_allclose(*values, rtol=1e-9)
+    p = [[x.p for x in (*y.chi_square, *y.prior)] for y in (several, one)]
+    assert_allclose(*p, rtol=1e-9)
+
+
+@pytest.mark.parametrize("is_stamped", [True, False])
+def test_files_are_one_after_the_other(short, tmp_path, is_stamped):
+    """Between two windows samples are left out, or stamps begin again."""
+    whole = read(short.write(tmp_path / "run.csv"))
+    cuts = between(short, [3, 8])
+    if is_stamped:
+        short.rows = np.delete(short.rows, [x + k for x in cuts for k in range(9)], 0)
+        cuts = [cuts[0], cuts[1] - 9]
+    paths = in_pieces(short, tmp_path, cuts)
+    if not is_stamped:
+        for path in paths:
+            head, *rows = path.read_text(encoding="utf-8").splitlines()
+            first = float(rows[0].split(",")[0])
+            rows = [x.split(",", 1) for x in rows]
+            text = "".join(f"{float(t) - first:.9g},{x}\n" for t, x in rows)
+            path.write_text(f"{head}\n{text}", encoding="utf-8")
+    how = load_procedure("six.yaml")
+    made = [load_recording(x) for x in paths]
+    several = read_windows(made, windows_of(how), name=how.name)
+    own, split = ([x.start for x in y.windows] for y in (whole, several))
+    assert_allclose(split, own, atol=0.11)
