@@ -76,6 +76,8 @@ LEAST_REST = 1.0  # [s]
 NEAR = radians(25.0)  # of a face
 SAME_TURN = 0.1  # of whole turns [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
+FARTHEST = 1.0  # into a rest, that motion beyond the edge of a turn is looked for [s]
+MARGIN = 0.1  # beyond what is seen of that [s]
 MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
@@ -172,10 +174,13 @@ def read_windows(
         ends = ends_of([own[kind].own for own in parts if kind in own])
         for k, own in enumerate(parts):
             if kind in own:
-                track = tracks[spans[k].track]
-                means[kind][:, k], health[kind][k] = own[kind].mean(
+                track, span = tracks[spans[k].track], spans[k]
+                mean, health[kind][k] = own[kind].mean(
                     track.usual[kind], ends, track.range_end.get(kind)
                 )
+                if kind == GYRO and span.rests is not None:
+                    mean = mean + _edges(track, span) / (span.end - span.start)
+                means[kind][:, k] = mean
     there = []
     begin = 0.0
     for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
@@ -219,7 +224,10 @@ def _parts(
         own = {}
         track = tracks[span.track]
         for kind, (times, values) in track.values.items():
-            a, b = np.searchsorted(times, (span.start, span.end)).tolist()
+            early = 0.5 / track.rate if window.sense else 0.0  # edges are at samples
+            a, b = np.searchsorted(
+                times, (span.start - early, span.end - early)
+            ).tolist()
             if b - a < LEAST_SAMPLES:
                 raise CallError(
                     f"{name}: window {k + 1} ({window.name}) has {b - a} samples "
@@ -796,11 +804,12 @@ def _counted(
 
 @dataclass(frozen=True, kw_only=True)
 class _Span:
-    """When one window was."""
+    """When one window was, and of a turn the rests before and after it."""
 
     track: int
     start: float
     end: float
+    rests: tuple[tuple[float, float], tuple[float, float]] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -817,6 +826,7 @@ class _Segment:
     has_counts: bool = False
     missing: int = 0  # samples
     is_clipped: bool = False  # whether some are at the end of the range
+    rests: tuple[tuple[float, float], tuple[float, float]] | None = None  # beside it
 
     @property
     def length(self) -> float:
@@ -880,10 +890,12 @@ def _segments(
     )
     for k, (a, b) in enumerate(rests):
         if k and level is not None:
-            last = rests[k - 1][1]
             found.append(
                 _between(
-                    track, values - level[:, None], (last, a), forces[k - 1 : k + 1]
+                    track,
+                    values - level[:, None],
+                    (rests[k - 1], (a, b)),
+                    forces[k - 1 : k + 1],
                 )
             )
         found.append(
@@ -993,15 +1005,17 @@ def _forces(track: _Track, spans: Sequence[tuple[float, float]]) -> list[Array |
 def _between(
     track: _Track,
     rates: Array,
-    places: tuple[int, int],
+    places: tuple[tuple[int, int], tuple[int, int]],
     forces: Sequence[Array | None],
 ) -> _Segment:
     """Return what is between two rests, from where it begins to move.
 
-    `rates` are those over the rests, (3, n).
+    `rates` are those over the rests, (3, n); `places` those of the rests.
     """
     times, values = track.values[GYRO]
-    first, last = places
+    first, last = places[0][1], places[1][0]
+    one, other = ((float(times[a]), float(times[b - 1])) for a, b in places)
+    rests = (one, other)
     pad = max(1, round(LOOK * track.rate))
     a, b = max(first - pad, 0), min(last + pad, len(times))
     moved = rates[:, a:b]
@@ -1030,7 +1044,54 @@ def _between(
         has_counts=track.counts[GYRO],
         missing=missing,
         is_clipped=_is_clipped(track, values[:, a:b]),
+        rests=rests,
     )
+
+
+def _edges(track: _Track, span: _Span) -> Array:
+    """Return the angle of a turn beyond its edges, over what it reads at rest, (3,).
+
+    From each edge to where the mean over LOOK is within its noise of that of the rest,
+    and MARGIN on; a turn that begins at once has none. Only so is the angle whole
+    turns, and none of the earth rate at rest is taken for motion.
+    """
+    times, values = track.values[GYRO]
+    values = values.copy()
+    values[np.isfinite(values).all(axis=1)] = track.smooth[1]
+    total = np.zeros(3)
+    for (start, end), at, side in zip(
+        span.rests or (), (span.start, span.end), (-1, 1), strict=True
+    ):
+        # Outwards: the outer half of the rest, or what is beyond FARTHEST, is still.
+        reach = min((end - start) / 2.0, LOOK + FARTHEST)
+        low, high = (
+            (start + LOOK, end - reach) if side < 0 else (start + reach, end - LOOK)
+        )
+        still = values[:, slice(*np.searchsorted(times, (low, high)).tolist())]
+        edge = at - 0.5 / track.rate
+        a, b = np.searchsorted(
+            times, (high, edge) if side < 0 else (edge, low)
+        ).tolist()
+        if still.shape[1] < LEAST_SAMPLES or b <= a:
+            continue
+        middle = np.median(still, axis=1)[:, None]
+        noise = np.std(still, axis=1)[:, None]
+        level = np.where(np.abs(still - middle) <= SIGMAS * noise, still, middle).mean(
+            axis=1
+        )[:, None]
+        width = max(1, round(LOOK * track.rate))
+        places = np.arange(a, b)[::side]
+        moved = values[:, places] - level
+        steps = np.abs(np.diff(times, append=times[-1] + 1.0 / track.rate))[places]
+        sums = np.cumsum(np.pad(moved, ((0, 0), (1, width))), axis=1)
+        counts = np.minimum(width, len(places) - np.arange(len(places)))
+        mean = (sums[:, width : width + len(places)] - sums[:, : len(places)]) / counts
+        is_moving = (np.abs(mean) > SIGMAS * noise / np.sqrt(counts)).any(axis=0)
+        seen = np.flatnonzero(is_moving)
+        if seen.size:
+            last = int(seen[-1]) + 1 + round(MARGIN * track.rate)
+            total += (moved[:, :last] * steps[:last]).sum(axis=1)
+    return total
 
 
 def _is_clipped(track: _Track, values: Array) -> bool:
@@ -1276,5 +1337,5 @@ def _split(segment: _Segment, windows: Sequence[Window]) -> Iterator[_Span]:
     begin = segment.start
     for one in windows:
         end = begin + segment.length * one.length / total
-        yield _Span(track=segment.track, start=begin, end=end)
+        yield _Span(track=segment.track, start=begin, end=end, rests=segment.rests)
         begin = end

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -388,3 +389,70 @@ def test_files_are_one_after_the_other(short, tmp_path, is_stamped):
     several = read_windows(made, windows_of(how), name=how.name)
     own, split = ([x.start for x in y.windows] for y in (whole, several))
     assert_allclose(split, own, atol=0.11)
+
+
+TURNS = SHORT.replace("rate: 45 deg/s", "rate: 20 deg/s").replace("20 Hz", "100 Hz")
+QUIET = {
+    "format": "budget-device/1",
+    "name": "Quiet",
+    "gyro": {
+        "errors": {
+            "bias_repeatability": "20 deg/h",
+            "scale_factor_repeatability": "2000 ppm",
+            "mounting_repeatability": "400 arcsec",
+            "angle_random_walk": "0.01 deg/sqrt(h)",
+        }
+    },
+}
+
+
+def trapezoids(how, ramp, rng, rate=100.0):
+    """Return times and rates of a run whose turns have ramps of a length [deg/s]."""
+    parts, forces = [], []
+
+    def add(setting, rates, angles):
+        earth = [setting.after(x).to_body @ how.place.earth for x in angles]
+        parts.append(np.array(rates) + earth)
+        forces.append([setting.after(x).to_body @ how.place.force for x in angles])
+
+    for one in windows_of(how):
+        there = replace(one.setting, angle=0.0)
+        n = round((3.0 if one.sense else one.length) * rate)
+        move = np.zeros((round(2.0 * rate), 3))
+        move[:, 0] = np.radians(30.0)
+        if one.sense >= 0:
+            add(there, move, np.zeros(len(move)))
+        add(there, np.zeros((n, 3)), np.zeros(n))
+        if one.sense:
+            size = np.linalg.norm(one.rate)
+            total = abs(one.setting.angle) / size + ramp
+            time = (np.arange(round(total * rate)) + 0.5) / rate
+            own = np.clip(np.minimum(time, total - time) / ramp, 0.0, 1.0)
+            own *= abs(one.setting.angle) / (own.sum() / rate)
+            angle = (np.cumsum(own) - own / 2.0) / rate * np.sign(one.setting.angle)
+            add(there, own[:, None] * one.rate / size, angle)
+            add(there, np.zeros((n, 3)), np.zeros(n))
+    values = np.concatenate(parts)
+    values += rng.normal(size=values.shape) * np.radians(0.01) / 60.0 * np.sqrt(rate)
+    force = np.concatenate(forces) + rng.normal(size=values.shape) * 1e-4
+    return np.column_stack([np.arange(len(values)) / rate, np.degrees(values), force])
+
+
+@pytest.mark.parametrize("ramp", [0.5, 1.0, 2.0])
+def test_the_ramps_of_a_turn_are_part_of_its_angle(tmp_path, monkeypatch, ramp):
+    """Scale factors are those of the unit, whatever the turns begin and end with."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "six.yaml").write_text(TURNS, encoding="utf-8")
+    how = load_procedure("six.yaml")
+    rows = trapezoids(how, ramp, np.random.default_rng(7))
+    heads = [f"gyro_{x} [deg/s]" for x in "xyz"]
+    heads += [f"accelerometer_{x} [m/s^2]" for x in "xyz"]
+    text = "".join(",".join(f"{x:.10g}" for x in row) + "\n" for row in rows)
+    path = tmp_path / "run.csv"
+    path.write_text(f"{','.join(['time [s]', *heads])}\n{text}", encoding="utf-8")
+    run = calibrate(path, procedure="six.yaml", device=QUIET)
+    for one in run.outputs:
+        if one.sensor == "gyro" and one.parameter == "scale_factor":
+            off = abs(one.value) * one.si_per_unit
+            u = one.standard_uncertainty * one.si_per_unit
+            assert off < 3e-6 + 4.0 * u
