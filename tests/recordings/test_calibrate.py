@@ -376,7 +376,8 @@ def test_the_correction_gives_back_the_input(folder):
         (folder / "c.c").write_text(
             '#include <stdio.h>\n#include "c.h"\nint main(void) {\n'
             f"double r[3] = {{{', '.join(map(repr, reading.tolist()))}}}, u[3];\n"
-            'gyro_correct(r, u); printf("%.17g %.17g %.17g", u[0], u[1], u[2]);\n'
+            'gyro_correct(r, u); printf("%.17g %.17g %.17g ", u[0], u[1], u[2]);\n'
+            'gyro_correct(r, r); printf("%.17g %.17g %.17g", r[0], r[1], r[2]);\n'
             "return 0; }\n",
             encoding="utf-8",
         )
@@ -385,9 +386,9 @@ def test_the_correction_gives_back_the_input(folder):
             check=True,
         )
         printed = subprocess.run(["./c"], check=True, capture_output=True).stdout
-        assert_allclose(
-            np.array(printed.split(), dtype=float), own["gyro"](reading), rtol=1e-9
-        )
+        made = np.array(printed.split(), dtype=float).reshape(2, 3)
+        assert_allclose(made[0], own["gyro"](reading), rtol=1e-9)
+        assert_allclose(made[1], made[0], rtol=0)
     assert call(*words, "--to", "cobol").code == 2
 
 
