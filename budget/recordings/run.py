@@ -82,6 +82,7 @@ MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
 LEAST_SAMPLES = 3  # of a window
+SAME_TIME = 1e-6  # that windows given may lie over each other [s]
 ON_TIME = 0.5  # intervals that the first sample of the next file may be off [1]
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
 MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
@@ -532,17 +533,50 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
             f"has {len(table.rows)} rows, expected one for each of {len(windows)} "
             "windows, in their order",
         )
+    there: dict[int, tuple[float, float]] = {}
     for line, cells in table.rows:
         if len(cells) != len(table.heads):
             message = f"has {len(cells)} fields, expected {len(table.heads)}"
             raise _fault(shown, line, 1, message)
+        edges = [columns[START], columns[END]]
+        for at in edges:
+            if not cells[at.place]:
+                message = f"{at.head} is empty, expected when the window begins or ends"
+                raise _fault(shown, line, at.place + 1, message)
         start, end = (
             _number(shown, line, at.place, at.head, cells[at.place]) * at.size
-            for at in (columns[START], columns[END])
+            for at in edges
         )
         if not start < end:
             raise _fault(shown, line, 1, "ends before it begins")
+        _check_apart(shown, line, (start, end), there)
+        there[line] = start, end
         yield _Span(track=0, start=start, end=end)
+
+
+def _check_apart(
+    shown: str,
+    line: int,
+    own: tuple[float, float],
+    there: Mapping[int, tuple[float, float]],
+) -> None:
+    """Refuse a window that lies over one of those before it, by line.
+
+    Raises
+    ------
+    SpecError
+        It does.
+    """
+    start, end = own
+    for other, (begin, over) in there.items():
+        if start < over - SAME_TIME and begin < end - SAME_TIME:
+            raise _fault(
+                shown,
+                line,
+                1,
+                f"{start:.6g} to {end:.6g} s is over that of line {other}, "
+                f"{begin:.6g} to {over:.6g} s; give each window a time of its own",
+            )
 
 
 # ---- recordings ----------------------------------------------------------------------

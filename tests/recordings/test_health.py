@@ -456,3 +456,22 @@ def test_the_ramps_of_a_turn_are_part_of_its_angle(tmp_path, monkeypatch, ramp):
             off = abs(one.value) * one.si_per_unit
             u = one.standard_uncertainty * one.si_per_unit
             assert off < 3e-6 + 4.0 * u
+
+
+@pytest.mark.parametrize(
+    ("row", "place", "said"),
+    [
+        ("2,1,12", ":3:1:", "1 to 12 s is over that of line 2, 0 to 10 s"),
+        ("2,0,10", ":3:1:", "line 2"),
+        ("2,,30", ":3:2:", r"start \[s\] is empty"),
+        ("2,20,", ":3:3:", r"end \[s\] is empty"),
+    ],
+)
+def test_windows_over_each_other_are_refused(short, tmp_path, row, place, said):
+    """With both rows; what is missing is named."""
+    path = short.write(tmp_path / "run.csv")
+    rows = [f"{k},{20 * k},{20 * k + 10}" for k in range(2, 12)]
+    text = "\n".join(["window,start [s],end [s]", "1,0,10", row, *rows, ""])
+    (tmp_path / "windows.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(SpecError, match=f"{place}.*{said}"):
+        calibrate(path, procedure="six.yaml", windows=tmp_path / "windows.csv")
