@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from budget.errors import CallError
+from budget.names import ORDERS
 from budget.recordings.columns import LIKE
 from budget.resources import own_templates, template_environment
 from budget.version import __version__
@@ -48,10 +49,20 @@ def correction_code(found: RecordedCalibration, *, to: str) -> str:
     Raises
     ------
     CallError
-        It is none of them.
+        It is none of them, or the calibration has higher orders.
     """
     if to not in CORRECTIONS:
         raise CallError(f"to is {to!r}, allowed: {', '.join(CORRECTIONS)}")
+    higher = [one for one in found.outputs if one.parameter in ORDERS]
+    if higher:
+        named = dict.fromkeys(
+            f"{one.sensor} {one.parameter.replace('_', ' ')}" for one in higher
+        )
+        raise CallError(
+            f"the calibration has {', '.join(named)}, and the correction as code has "
+            "no higher orders; take values of --json, or leave them out of estimate in "
+            "the procedure"
+        )
     sound = {True: "sound", False: "NOT SOUND", None: "soundness not known"}
     parts = (found.title, found.serial, found.date, found.procedure)
     said = ", ".join(json.dumps(one) for one in parts if one)

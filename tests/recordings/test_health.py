@@ -475,3 +475,15 @@ def test_windows_over_each_other_are_refused(short, tmp_path, row, place, said):
     (tmp_path / "windows.csv").write_text(text, encoding="utf-8")
     with pytest.raises(SpecError, match=f"{place}.*{said}"):
         calibrate(path, procedure="six.yaml", windows=tmp_path / "windows.csv")
+
+
+def test_code_of_higher_orders_is_refused(short, tmp_path):
+    """They are named; without them there is code."""
+    text = SHORT + "estimate: {accelerometer: [scale_factor, bias, second_order]}\n"
+    (tmp_path / "second.yaml").write_text(text, encoding="utf-8")
+    short.write(tmp_path / "run.csv")
+    words = ("calibrate", "run.csv", "--to", "c", "--procedure")
+    said = call(*words, "second.yaml")
+    assert said.code == 2
+    assert "accelerometer second order" in " ".join(said.err.split())
+    assert "gyro_correct" in call(*words, "six.yaml").out
