@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from itertools import pairwise, permutations, product
-from math import acos, cos, degrees, inf, log, radians
+from math import acos, cos, degrees, inf, log, pi, radians, remainder
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,6 +77,7 @@ NEAR = radians(25.0)  # of a face
 SAME_TURN = 0.1  # of whole turns [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
 FARTHEST = 1.0  # into a rest, that motion beyond the edge of a turn is looked for [s]
+UNEVEN = 1e-3  # of a circle's radius, that means over a turn may be off its middle [1]
 MARGIN = 0.1  # beyond what is seen of that [s]
 MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
@@ -180,7 +181,8 @@ def read_windows(
                     track.usual[kind], ends, track.range_end.get(kind)
                 )
                 if kind == GYRO and span.rests is not None:
-                    mean = mean + _edges(track, span) / (span.end - span.start)
+                    angle = windows[k].setting.angle
+                    mean = mean + _of_ramps(track, span, angle, health[kind][k])
                 means[kind][:, k] = mean
     there = []
     begin = 0.0
@@ -1082,6 +1084,12 @@ def _between(
     )
 
 
+def _of_ramps(track: _Track, span: _Span, angle: float, health: WindowHealth) -> Array:
+    """Return what the mean of a turn would read more, were its rate one, (3,)."""
+    found = _edges(track, span) / (span.end - span.start)
+    return found if health.missing else found - _uneven(track, span, angle)
+
+
 def _edges(track: _Track, span: _Span) -> Array:
     """Return the angle of a turn beyond its edges, over what it reads at rest, (3,).
 
@@ -1126,6 +1134,35 @@ def _edges(track: _Track, span: _Span) -> Array:
             last = int(seen[-1]) + 1 + round(MARGIN * track.rate)
             total += (moved[:, :last] * steps[:last]).sum(axis=1)
     return total
+
+
+def _uneven(track: _Track, span: _Span, angle: float) -> Array:
+    """Return what the mean of a turn has of what goes round with it, (3,).
+
+    Of whole turns at one rate that is nothing; in ramps the unit is longer at the
+    angles where it begins and ends. With theta its angle and w the rate about its axis,
+    the other axes read c + M w + A cos theta + B sin theta, of which A and B are taken
+    times the means of cos and sin.
+    """
+    times, values = track.values[GYRO]
+    none = np.zeros(3)
+    if not np.isfinite(values[:, 0]).all() or abs(remainder(angle, 2.0 * pi)) > UNEVEN:
+        return none
+    early = 0.5 / track.rate
+    a, b = np.searchsorted(times, (span.start - early, span.end - early)).tolist()
+    own = track.smooth[1][:, a:b]
+    axis = int(np.abs(own.mean(axis=1)).argmax())
+    theta = np.cumsum(own[axis]) - own[axis] / 2.0
+    theta *= angle / own[axis].sum()
+    waves = np.array([np.cos(theta), np.sin(theta)])
+    middle = waves.mean(axis=1)
+    if np.hypot(*middle) < UNEVEN:
+        return none
+    rate = own[axis] / np.abs(own[axis]).max()
+    design = np.vstack([np.ones(b - a), rate, waves]).T
+    found = np.linalg.lstsq(design, own.T, rcond=None)[0][2:]
+    found[:, axis] = 0.0
+    return np.asarray(middle @ found)
 
 
 def _is_clipped(track: _Track, values: Array) -> bool:

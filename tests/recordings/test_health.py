@@ -451,6 +451,7 @@ def test_the_ramps_of_a_turn_are_part_of_its_angle(tmp_path, monkeypatch, ramp):
     path = tmp_path / "run.csv"
     path.write_text(f"{','.join(['time [s]', *heads])}\n{text}", encoding="utf-8")
     run = calibrate(path, procedure="six.yaml", device=QUIET)
+    assert run.is_sound
     for one in run.outputs:
         if one.sensor == "gyro" and one.parameter == "scale_factor":
             off = abs(one.value) * one.si_per_unit
