@@ -13,8 +13,8 @@ import io
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
-from itertools import accumulate, pairwise, permutations, product
-from math import acos, cos, degrees, inf, log, radians
+from itertools import pairwise, permutations, product
+from math import acos, cos, degrees, inf, log, pi, radians, remainder
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -76,10 +76,16 @@ LEAST_REST = 1.0  # [s]
 NEAR = radians(25.0)  # of a face
 SAME_TURN = 0.1  # of whole turns [1]
 MOVING = 0.02  # of the largest rate, from which a turn has begun [1]
+FARTHEST = 1.0  # into a rest, that motion beyond the edge of a turn is looked for [s]
+UNEVEN = 1e-3  # of a circle's radius, that means over a turn may be off its middle [1]
+MARGIN = 0.1  # beyond what is seen of that [s]
 MOST_ISSUES = 5
 MOST = 1e12  # of a reading or a time, as it is written
 LEAST_LENGTH = 1e-3  # of a window [s]
 LEAST_SAMPLES = 3  # of a window
+EARLY = 0.25  # intervals that a sample may be before a span and be of it [1]
+SAME_TIME = 1e-6  # that windows given may lie over each other [s]
+ON_TIME = 0.5  # intervals that the first sample of the next file may be off [1]
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
 MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
 ELSEWHERE = 10.0  # price of such a rest
@@ -155,8 +161,7 @@ def read_windows(
     spans: Sequence[_Span]
     found: Sequence[_Segment] = ()
     is_as_planned = True
-    tracks = [_read_track(one, number) for number, one in enumerate(recordings)]
-    starts, has_one_clock = _starts(tracks)
+    tracks = [*_on_one_clock([_read_track(one) for one in recordings])]
     if times is not None:
         if len(tracks) > 1:
             raise CallError(
@@ -175,14 +180,18 @@ def read_windows(
         ends = ends_of([own[kind].own for own in parts if kind in own])
         for k, own in enumerate(parts):
             if kind in own:
-                track = tracks[spans[k].track]
-                means[kind][:, k], health[kind][k] = own[kind].mean(
+                track, span = tracks[spans[k].track], spans[k]
+                mean, health[kind][k] = own[kind].mean(
                     track.usual[kind], ends, track.range_end.get(kind)
                 )
+                if kind == GYRO and span.rests is not None:
+                    angle = windows[k].setting.angle
+                    mean = mean + _of_ramps(track, span, angle, health[kind][k])
+                means[kind][:, k] = mean
     there = []
     begin = 0.0
     for k, (span, window) in enumerate(zip(spans, windows, strict=True)):
-        start = span.start - tracks[span.track].begin + starts[span.track]
+        start = span.start + tracks[span.track].offset
         begin = start if k == 0 else begin
         length = span.end - span.start
         if not window.sense:  # what a mean is of, so that its noise is that of so long
@@ -200,21 +209,15 @@ def read_windows(
         },
         passed_over=tuple(_passed_over(found, spans)),
         is_as_planned=is_as_planned,
-        has_one_clock=has_one_clock,
+        has_one_clock=not any(one.offset for one in tracks),
         health={kind: tuple(own) for kind, own in health.items()},
     )
 
 
-def _starts(tracks: Sequence[_Track]) -> tuple[list[float], bool]:
-    """Return when recordings begin after the first [s]; whether their stamps say it.
-
-    Where stamps do not go on, each begins where the one before ended.
-    """
-    first = tracks[0].begin
-    if all(one.end < other.begin for one, other in pairwise(tracks)):
-        return [one.begin - first for one in tracks], True
-    lengths = [one.end - one.begin + 1.0 / one.rate for one in tracks[:-1]]
-    return [0.0, *accumulate(lengths)], False
+def _limits(track: _Track, span: _Span) -> tuple[float, float]:
+    """Return the ends of a span: a stamp is one to rounding, a quarter of a sample."""
+    early = EARLY / track.rate
+    return span.start - early, span.end - early
 
 
 def _parts(
@@ -235,8 +238,7 @@ def _parts(
         own = {}
         track = tracks[span.track]
         for kind, (times, values) in track.values.items():
-            # An end of a span is a stamp to rounding: a quarter of a sample is no time.
-            limits = np.array([span.start, span.end]) - 0.25 / track.rate
+            limits = _limits(track, span)
             a, b = np.searchsorted(times, limits).tolist()
             if b - a < LEAST_SAMPLES:
                 raise CallError(
@@ -542,17 +544,50 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
             f"has {len(table.rows)} rows, expected one for each of {len(windows)} "
             "windows, in their order",
         )
+    there: dict[int, tuple[float, float]] = {}
     for line, cells in table.rows:
         if len(cells) != len(table.heads):
             message = f"has {len(cells)} fields, expected {len(table.heads)}"
             raise _fault(shown, line, 1, message)
+        edges = [columns[START], columns[END]]
+        for at in edges:
+            if not cells[at.place]:
+                message = f"{at.head} is empty, expected when the window begins or ends"
+                raise _fault(shown, line, at.place + 1, message)
         start, end = (
             _number(shown, line, at.place, at.head, cells[at.place]) * at.size
-            for at in (columns[START], columns[END])
+            for at in edges
         )
         if not start < end:
             raise _fault(shown, line, 1, "ends before it begins")
+        _check_apart(shown, line, (start, end), there)
+        there[line] = start, end
         yield _Span(track=0, start=start, end=end)
+
+
+def _check_apart(
+    shown: str,
+    line: int,
+    own: tuple[float, float],
+    there: Mapping[int, tuple[float, float]],
+) -> None:
+    """Refuse a window that lies over one of those before it, by line.
+
+    Raises
+    ------
+    SpecError
+        It does.
+    """
+    start, end = own
+    for other, (begin, over) in there.items():
+        if start < over - SAME_TIME and begin < end - SAME_TIME:
+            raise _fault(
+                shown,
+                line,
+                1,
+                f"{start:.6g} to {end:.6g} s is over that of line {other}, "
+                f"{begin:.6g} to {over:.6g} s; give each window a time of its own",
+            )
 
 
 # ---- recordings ----------------------------------------------------------------------
@@ -562,14 +597,24 @@ def _given_spans(path: Path, shown: str, windows: Sequence[Window]) -> Iterator[
 class _Track:
     """A recording kept whole: times (n,) and readings (3, n) of each triad."""
 
-    number: int
     values: Mapping[str, tuple[Array, Array]]
     counts: Mapping[str, bool]
     rate: float
     sha256: tuple[tuple[str, str], ...]
-    begin: float
-    end: float
     range_end: Mapping[str, float]  # that is stated [SI]
+    number: int = 0
+    offset: float = 0.0  # of the clock of the run to its own [s]
+
+    @property
+    def begin(self) -> float:
+        """When its first sample was [s]."""
+        return min(float(times[0]) for times, _ in self.values.values())
+
+    @property
+    def end(self) -> float:
+        """One interval after its last sample [s]."""
+        last = max(float(times[-1]) for times, _ in self.values.values())
+        return last + 1.0 / self.rate
 
     @cached_property
     def usual(self) -> Mapping[str, tuple[UsualSteps | None, ...]]:
@@ -602,7 +647,7 @@ class _Track:
         return np.flatnonzero(np.diff(self.smooth[0]) > MOST_JITTER / self.rate)
 
 
-def _read_track(recording: Recording, number: int) -> _Track:
+def _read_track(recording: Recording) -> _Track:
     """Read a recording whole.
 
     Raises
@@ -658,17 +703,68 @@ def _read_track(recording: Recording, number: int) -> _Track:
             stated = [stated_end(recording, one[1]) for one in own if one]
             if stated[0] is not None:
                 ends[kind] = stated[0]
-    begin = min(float(times[0]) for times, _ in values.values())
-    end = max(float(times[-1]) for times, _ in values.values())
     return _Track(
-        number=number,
         values=values,
         counts=counts,
         rate=min(rates),
         sha256=tuple(files),
-        begin=begin,
-        end=end,
         range_end=ends,
+    )
+
+
+def _on_one_clock(tracks: Sequence[_Track]) -> Iterator[_Track]:
+    """Yield recordings of one run on one clock; those without a pause are one.
+
+    Where stamps of one do not go on after those of the one before, it begins where
+    that ended.
+    """
+    last: _Track | None = None
+    number = 0
+    for own in tracks:
+        if last is None:
+            last = own
+            continue
+        step = own.begin - last.end
+        if _goes_on(last, own):
+            last = _joined(last, own)
+            continue
+        yield last
+        number += 1
+        offset = last.offset if step >= -ON_TIME / last.rate else last.offset - step
+        last = replace(own, number=number, offset=offset)
+    if last is not None:
+        yield last
+
+
+def _goes_on(last: _Track, own: _Track) -> bool:
+    """Whether a recording is the next piece of one, without a sample between them."""
+    return (
+        last.values.keys() == own.values.keys()
+        and last.counts == own.counts
+        and last.range_end == own.range_end
+        and abs(own.rate / last.rate - 1.0) <= SAME_RATE
+        and all(
+            abs((own.values[kind][0][0] - times[-1]) * last.rate - 1.0) <= ON_TIME
+            for kind, (times, _) in last.values.items()
+        )
+    )
+
+
+def _joined(last: _Track, own: _Track) -> _Track:
+    """Return two pieces as one recording."""
+    values = {
+        kind: (
+            np.concatenate([times, own.values[kind][0]]),
+            np.concatenate([readings, own.values[kind][1]], axis=1),
+        )
+        for kind, (times, readings) in last.values.items()
+    }
+    usual = [float(np.median(np.diff(times))) for times, _ in values.values()]
+    return replace(
+        last,
+        values=values,
+        rate=1.0 / max(usual),
+        sha256=(*last.sha256, *own.sha256),
     )
 
 
@@ -753,11 +849,12 @@ def _counted(
 
 @dataclass(frozen=True, kw_only=True)
 class _Span:
-    """When one window was."""
+    """When one window was, and of a turn the rests before and after it."""
 
     track: int
     start: float
     end: float
+    rests: tuple[tuple[float, float], tuple[float, float]] | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -774,6 +871,7 @@ class _Segment:
     has_counts: bool = False
     missing: int = 0  # samples
     is_clipped: bool = False  # whether some are at the end of the range
+    rests: tuple[tuple[float, float], tuple[float, float]] | None = None  # beside it
 
     @property
     def length(self) -> float:
@@ -837,10 +935,12 @@ def _segments(
     )
     for k, (a, b) in enumerate(rests):
         if k and level is not None:
-            last = rests[k - 1][1]
             found.append(
                 _between(
-                    track, values - level[:, None], (last, a), forces[k - 1 : k + 1]
+                    track,
+                    values - level[:, None],
+                    (rests[k - 1], (a, b)),
+                    forces[k - 1 : k + 1],
                 )
             )
         found.append(
@@ -950,15 +1050,17 @@ def _forces(track: _Track, spans: Sequence[tuple[float, float]]) -> list[Array |
 def _between(
     track: _Track,
     rates: Array,
-    places: tuple[int, int],
+    places: tuple[tuple[int, int], tuple[int, int]],
     forces: Sequence[Array | None],
 ) -> _Segment:
     """Return what is between two rests, from where it begins to move.
 
-    `rates` are those over the rests, (3, n).
+    `rates` are those over the rests, (3, n); `places` those of the rests.
     """
     times, values = track.values[GYRO]
-    first, last = places
+    first, last = places[0][1], places[1][0]
+    one, other = ((float(times[a]), float(times[b - 1])) for a, b in places)
+    rests = (one, other)
     pad = max(1, round(LOOK * track.rate))
     a, b = max(first - pad, 0), min(last + pad, len(times))
     moved = rates[:, a:b]
@@ -987,7 +1089,88 @@ def _between(
         has_counts=track.counts[GYRO],
         missing=missing,
         is_clipped=_is_clipped(track, values[:, a:b]),
+        rests=rests,
     )
+
+
+def _of_ramps(track: _Track, span: _Span, angle: float, health: WindowHealth) -> Array:
+    """Return what the mean of a turn would read more, were its rate one, (3,)."""
+    found = _edges(track, span) / (span.end - span.start)
+    return found if health.missing else found - _uneven(track, span, angle)
+
+
+def _edges(track: _Track, span: _Span) -> Array:
+    """Return the angle of a turn beyond its edges, over what it reads at rest, (3,).
+
+    From each edge to where the mean over LOOK is within its noise of that of the rest,
+    and MARGIN on; a turn that begins at once has none. Only so is the angle whole
+    turns, and none of the earth rate at rest is taken for motion.
+    """
+    times, values = track.values[GYRO]
+    values = values.copy()
+    values[np.isfinite(values).all(axis=1)] = track.smooth[1]
+    total = np.zeros(3)
+    for (start, end), at, side in zip(
+        span.rests or (), (span.start, span.end), (-1, 1), strict=True
+    ):
+        # Outwards: the outer half of the rest, or what is beyond FARTHEST, is still.
+        reach = min((end - start) / 2.0, LOOK + FARTHEST)
+        low, high = (
+            (start + LOOK, end - reach) if side < 0 else (start + reach, end - LOOK)
+        )
+        still = values[:, slice(*np.searchsorted(times, (low, high)).tolist())]
+        edge = at - EARLY / track.rate
+        a, b = np.searchsorted(
+            times, (high, edge) if side < 0 else (edge, low)
+        ).tolist()
+        if still.shape[1] < LEAST_SAMPLES or b <= a:
+            continue
+        middle = np.median(still, axis=1)[:, None]
+        noise = np.std(still, axis=1)[:, None]
+        level = np.where(np.abs(still - middle) <= SIGMAS * noise, still, middle).mean(
+            axis=1
+        )[:, None]
+        width = max(1, round(LOOK * track.rate))
+        places = np.arange(a, b)[::side]
+        moved = values[:, places] - level
+        steps = np.abs(np.diff(times, append=times[-1] + 1.0 / track.rate))[places]
+        sums = np.cumsum(np.pad(moved, ((0, 0), (1, width))), axis=1)
+        counts = np.minimum(width, len(places) - np.arange(len(places)))
+        mean = (sums[:, width : width + len(places)] - sums[:, : len(places)]) / counts
+        is_moving = (np.abs(mean) > SIGMAS * noise / np.sqrt(counts)).any(axis=0)
+        seen = np.flatnonzero(is_moving)
+        if seen.size:
+            last = int(seen[-1]) + 1 + round(MARGIN * track.rate)
+            total += (moved[:, :last] * steps[:last]).sum(axis=1)
+    return total
+
+
+def _uneven(track: _Track, span: _Span, angle: float) -> Array:
+    """Return what the mean of a turn has of what goes round with it, (3,).
+
+    Of whole turns at one rate that is nothing; in ramps the unit is longer at the
+    angles where it begins and ends. With theta its angle and w the rate about its axis,
+    the other axes read c + M w + A cos theta + B sin theta, of which A and B are taken
+    times the means of cos and sin.
+    """
+    times, values = track.values[GYRO]
+    none = np.zeros(3)
+    if not np.isfinite(values[:, 0]).all() or abs(remainder(angle, 2.0 * pi)) > UNEVEN:
+        return none
+    a, b = np.searchsorted(times, _limits(track, span)).tolist()
+    own = track.smooth[1][:, a:b]
+    axis = int(np.abs(own.mean(axis=1)).argmax())
+    theta = np.cumsum(own[axis]) - own[axis] / 2.0
+    theta *= angle / own[axis].sum()
+    waves = np.array([np.cos(theta), np.sin(theta)])
+    middle = waves.mean(axis=1)
+    if np.hypot(*middle) < UNEVEN:
+        return none
+    rate = own[axis] / np.abs(own[axis]).max()
+    design = np.vstack([np.ones(b - a), rate, waves]).T
+    found = np.linalg.lstsq(design, own.T, rcond=None)[0][2:]
+    found[:, axis] = 0.0
+    return np.asarray(middle @ found)
 
 
 def _is_clipped(track: _Track, values: Array) -> bool:
@@ -1229,5 +1412,5 @@ def _split(segment: _Segment, windows: Sequence[Window]) -> Iterator[_Span]:
     begin = segment.start
     for one in windows:
         end = begin + segment.length * one.length / total
-        yield _Span(track=segment.track, start=begin, end=end)
+        yield _Span(track=segment.track, start=begin, end=end, rests=segment.rests)
         begin = end

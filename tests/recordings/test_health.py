@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -333,3 +334,157 @@ def test_spoilt_runs_are_read_or_refused(short, tmp_path, monkeypatch):
             json.dumps(answer.to_dict(), allow_nan=False)
     assert answers > 30
     assert 0 < longest < 8000
+
+
+def in_pieces(run, folder, cuts):
+    """Write a run in several files; return them."""
+    paths, rows = [], run.rows
+    for number, part in enumerate(np.split(rows, cuts)):
+        run.rows, run.gone = part, np.zeros(len(part), dtype=bool)
+        paths.append(run.write(folder / f"{number}.csv"))
+    run.rows, run.gone = rows, np.zeros(len(rows), dtype=bool)
+    return paths
+
+
+def between(run, windows):
+    """Return rows in the middle of the pauses before windows, counted from 1."""
+    return [(run.inside(k - 1)[-1] + run.inside(k)[0]) // 2 for k in windows]
+
+
+def test_files_whose_stamps_go_on_are_one_run(short, tmp_path):
+    """Windows, values and p are those of one file; a pause counts as it was."""
+    whole = short.write(tmp_path / "run.csv")
+    paths = in_pieces(
+        short, tmp_path, sorted([*between(short, [3, 8]), short.inside(5)[99]])
+    )
+    words = {"procedure": "six.yaml", "device": "mems.yaml"}
+    one, several = calibrate(whole, **words), calibrate(*paths, **words)
+    for key in ("start", "length"):
+        own, split = ([getattr(x, key) for x in y.windows] for y in (one, several))
+        assert_allclose(split, own, atol=1e-9)
+    values = [[x.value for x in y.outputs] for y in (several, one)]
+    assert_allclose(*values, rtol=1e-9)
+    p = [[x.p for x in (*y.chi_square, *y.prior)] for y in (several, one)]
+    assert_allclose(*p, rtol=1e-9)
+
+
+@pytest.mark.parametrize("is_stamped", [True, False])
+def test_files_are_one_after_the_other(short, tmp_path, is_stamped):
+    """Between two windows samples are left out, or stamps begin again."""
+    whole = read(short.write(tmp_path / "run.csv"))
+    cuts = between(short, [3, 8])
+    if is_stamped:
+        short.rows = np.delete(short.rows, [x + k for x in cuts for k in range(9)], 0)
+        cuts = [cuts[0], cuts[1] - 9]
+    paths = in_pieces(short, tmp_path, cuts)
+    if not is_stamped:
+        for path in paths:
+            head, *rows = path.read_text(encoding="utf-8").splitlines()
+            first = float(rows[0].split(",")[0])
+            rows = [x.split(",", 1) for x in rows]
+            text = "".join(f"{float(t) - first:.9g},{x}\n" for t, x in rows)
+            path.write_text(f"{head}\n{text}", encoding="utf-8")
+    how = load_procedure("six.yaml")
+    made = [load_recording(x) for x in paths]
+    several = read_windows(made, windows_of(how), name=how.name)
+    own, split = ([x.start for x in y.windows] for y in (whole, several))
+    assert_allclose(split, own, atol=0.11)
+
+
+TURNS = SHORT.replace("rate: 45 deg/s", "rate: 20 deg/s").replace("20 Hz", "100 Hz")
+QUIET = {
+    "format": "budget-device/1",
+    "name": "Quiet",
+    "gyro": {
+        "errors": {
+            "bias_repeatability": "20 deg/h",
+            "scale_factor_repeatability": "2000 ppm",
+            "mounting_repeatability": "400 arcsec",
+            "angle_random_walk": "0.01 deg/sqrt(h)",
+        }
+    },
+}
+
+
+def trapezoids(how, ramp, rng, rate=100.0):
+    """Return times and rates of a run whose turns have ramps of a length [deg/s]."""
+    parts, forces = [], []
+
+    def add(setting, rates, angles):
+        earth = [setting.after(x).to_body @ how.place.earth for x in angles]
+        parts.append(np.array(rates) + earth)
+        forces.append([setting.after(x).to_body @ how.place.force for x in angles])
+
+    for one in windows_of(how):
+        there = replace(one.setting, angle=0.0)
+        n = round((3.0 if one.sense else one.length) * rate)
+        move = np.zeros((round(2.0 * rate), 3))
+        move[:, 0] = np.radians(30.0)
+        if one.sense >= 0:
+            add(there, move, np.zeros(len(move)))
+        add(there, np.zeros((n, 3)), np.zeros(n))
+        if one.sense:
+            size = np.linalg.norm(one.rate)
+            total = abs(one.setting.angle) / size + ramp
+            time = (np.arange(round(total * rate)) + 0.5) / rate
+            own = np.clip(np.minimum(time, total - time) / ramp, 0.0, 1.0)
+            own *= abs(one.setting.angle) / (own.sum() / rate)
+            angle = (np.cumsum(own) - own / 2.0) / rate * np.sign(one.setting.angle)
+            add(there, own[:, None] * one.rate / size, angle)
+            add(there, np.zeros((n, 3)), np.zeros(n))
+    values = np.concatenate(parts)
+    values += rng.normal(size=values.shape) * np.radians(0.01) / 60.0 * np.sqrt(rate)
+    force = np.concatenate(forces) + rng.normal(size=values.shape) * 1e-4
+    return np.column_stack([np.arange(len(values)) / rate, np.degrees(values), force])
+
+
+@pytest.mark.parametrize("ramp", [0.5, 1.0, 2.0])
+def test_the_ramps_of_a_turn_are_part_of_its_angle(tmp_path, monkeypatch, ramp):
+    """Scale factors are those of the unit, whatever the turns begin and end with."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "six.yaml").write_text(TURNS, encoding="utf-8")
+    how = load_procedure("six.yaml")
+    rows = trapezoids(how, ramp, np.random.default_rng(7))
+    heads = [f"gyro_{x} [deg/s]" for x in "xyz"]
+    heads += [f"accelerometer_{x} [m/s^2]" for x in "xyz"]
+    text = "".join(",".join(f"{x:.10g}" for x in row) + "\n" for row in rows)
+    path = tmp_path / "run.csv"
+    path.write_text(f"{','.join(['time [s]', *heads])}\n{text}", encoding="utf-8")
+    run = calibrate(path, procedure="six.yaml", device=QUIET)
+    assert run.is_sound
+    for one in run.outputs:
+        if one.sensor == "gyro" and one.parameter == "scale_factor":
+            off = abs(one.value) * one.si_per_unit
+            u = one.standard_uncertainty * one.si_per_unit
+            assert off < 3e-6 + 4.0 * u
+
+
+@pytest.mark.parametrize(
+    ("row", "place", "said"),
+    [
+        ("2,1,12", ":3:1:", "1 to 12 s is over that of line 2, 0 to 10 s"),
+        ("2,0,10", ":3:1:", "line 2"),
+        ("2,,30", ":3:2:", r"start \[s\] is empty"),
+        ("2,20,", ":3:3:", r"end \[s\] is empty"),
+    ],
+)
+def test_windows_over_each_other_are_refused(short, tmp_path, row, place, said):
+    """With both rows; what is missing is named."""
+    path = short.write(tmp_path / "run.csv")
+    rows = [f"{k},{20 * k},{20 * k + 10}" for k in range(2, 12)]
+    text = "\n".join(["window,start [s],end [s]", "1,0,10", row, *rows, ""])
+    (tmp_path / "windows.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(SpecError, match=f"{place}.*{said}"):
+        calibrate(path, procedure="six.yaml", windows=tmp_path / "windows.csv")
+
+
+def test_code_of_higher_orders_is_refused(short, tmp_path):
+    """They are named; without them there is code."""
+    text = SHORT + "estimate: {accelerometer: [scale_factor, bias, second_order]}\n"
+    (tmp_path / "second.yaml").write_text(text, encoding="utf-8")
+    short.write(tmp_path / "run.csv")
+    words = ("calibrate", "run.csv", "--to", "c", "--procedure")
+    said = call(*words, "second.yaml")
+    assert said.code == 2
+    assert "found second_order" in " ".join(said.err.split())
+    assert "gyro_correct" in call(*words, "six.yaml").out
