@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from datetime import date as Day  # noqa: N812 - one word with one meaning
-from math import hypot, inf, log, sqrt
-from typing import TYPE_CHECKING, Any
+from math import hypot, inf, isnan, log, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -63,7 +63,7 @@ from budget.settings import Asked, Inputs, RecordingSettings, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.calibration.mistakes import ChiSquare, Mistake
@@ -121,6 +121,12 @@ class _Triad:
     def scale_factor(self) -> Array:
         """K of readings over the input, (3,) [1, or counts per unit of the input]."""
         return np.asarray(self.scale * self.found.scale_factor)
+
+    @property
+    def is_left_handed(self) -> bool:
+        """Whether S = K M turns a right-handed triad of inputs into a left-handed."""
+        M = np.eye(3) + tilt_matrix(self.found.mounting_angle)
+        return float(np.prod(self.scale_factor) * np.linalg.det(M)) < 0.0
 
     @property
     def bias(self) -> Array:
@@ -679,23 +685,15 @@ def _chi(kind: str, one: ChiSquare) -> RunChiSquare:
     )
 
 
-def mistake_row(kind: str, mistake: Mistake) -> MistakeRow:
-    """Return a mistake as a row; what a reading is off by in the unit of a bias."""
-    what: dict[str, Any] = dict(mistake.what)
-    if mistake.added is not None:
-        what["value"] /= BIAS_UNITS[kind][1]
-    return MistakeRow(name=mistake.name, sensor=kind, **what)
-
-
 def _suspicion(kind: str, run: TriadRun | NormRun) -> Suspicion | None:
     """Return what a triad's run looks like; None where no known mistake fits."""
     found = run.looks_like
     if found is None:
         return None
     return Suspicion(
-        mistake=mistake_row(kind, found.mistake),
+        mistake=MistakeRow.of(kind, found.mistake),
         evidence=found.evidence,
-        also=tuple(mistake_row(kind, one) for one in found.also),
+        also=tuple(MistakeRow.of(kind, one) for one in found.also),
     )
 
 
@@ -704,17 +702,18 @@ def unseen_of(kind: str, run: TriadRun | NormRun) -> Iterator[UnseenMistake]:
     groups: dict[str, list[Mistake]] = {}
     for one in run.known:
         groups.setdefault(one.name, []).append(one)
-    for name, own in groups.items():
+    for name, every in groups.items():
+        # Two windows of equal inputs may be exchanged without harm.
+        own = [one for one in every if name != "windows_order" or run.is_seen(one)]
         seen = [run.shown(one) if run.is_seen(one) else 0.0 for one in own]
         missed = [one for one, p in zip(own, seen, strict=True) if p < SHOWN]
-        # Two windows of equal inputs may be exchanged without harm.
-        if not missed or name == "windows_order":
-            continue
-        keys = [dict(one.what).get("window") for one in missed]
-        numbers = dict.fromkeys(key for key in keys if isinstance(key, int))
-        yield UnseenMistake(
-            name=name, sensor=kind, probability=min(seen), windows=tuple(numbers)
-        )
+        if missed:
+            yield UnseenMistake(
+                name=name,
+                sensor=kind,
+                probability=min(seen),
+                windows=tuple(sorted({x for one in missed for x in one.numbers})),
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -925,7 +924,7 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
     bias_unit = COUNTS if triad.has_counts else like
     bias = K * triad.bias / (1.0 if triad.has_counts else size)
     rows = {one.name: k for k, one in enumerate(made.outputs)}
-    u_S, u_b = np.zeros((3, 3)), np.zeros(3)
+    u_S, u_b = np.full((3, 3), np.nan), np.full(3, np.nan)  # of what is held
     C = made.covariance
 
     def covariance(a: Name, b: Name) -> float:
@@ -934,14 +933,16 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
     for i, axis in enumerate(AXES):
         k_ = Name(SCALE_FACTOR, owner=kind, axis=axis)
         b_ = Name("bias", owner=kind, axis=axis)
-        u_S[i, i] = sqrt(covariance(k_, k_))
         own = triad.bias[i]
         square = (
             own**2 * covariance(k_, k_)
             + 2.0 * own * covariance(k_, b_)
             + covariance(b_, b_)
         )
-        u_b[i] = sqrt(max(square, 0.0))
+        if k_ in rows:
+            u_S[i, i] = sqrt(covariance(k_, k_))
+        if b_ in rows:
+            u_b[i] = sqrt(max(square, 0.0))
     for angle, i, j, sign in zip(ANGLES, ROW, COLUMN, SIGN, strict=True):
         a_ = Name("mounting_angle", owner=kind, axis=angle)
         k_ = Name(SCALE_FACTOR, owner=kind, axis=AXES[i])
@@ -951,9 +952,12 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
             + 2.0 * sign * part * covariance(a_, k_)
             + part**2 * covariance(k_, k_)
         )
-        u_S[i, j] = sqrt(max(square, 0.0))
+        if a_ in rows:
+            u_S[i, j] = sqrt(max(square, 0.0))
     q, r = np.linalg.qr(S.T)
-    signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)
+    # The sign of an axis that is reversed is that of its scale factor, so that R is a
+    # rotation.
+    signs = np.where(np.diag(r) * K < 0.0, -1.0, 1.0)
     scale = np.abs(K)
     return CompensationMatrix(
         sensor=kind,
@@ -962,10 +966,19 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
         body_from_sensor=np.asarray(np.linalg.inv(S), dtype=float),
         bias=bias,
         bias_unit=bias_unit,
-        standard_uncertainty=u_S * scale[:, None] * of_reading,
-        bias_standard_uncertainty=u_b * scale / (1.0 if triad.has_counts else size),
+        standard_uncertainty=_or_none(u_S * scale[:, None] * of_reading),
+        bias_standard_uncertainty=_or_none(
+            [u_b * scale / (1.0 if triad.has_counts else size)]
+        )[0],
         triangle=(r.T * signs),
         rotation=(q * signs).T,
+    )
+
+
+def _or_none(rows: Iterable[Array]) -> tuple[tuple[float | None, ...], ...]:
+    """Return rows of numbers, None where nothing was estimated."""
+    return tuple(
+        tuple(None if isnan(x) else x for x in one.tolist()) for one in rows
     )
 
 
@@ -1007,6 +1020,12 @@ def _warnings(
         if unit is None and not one.has_counts
         if (np.abs(one.scale_factor - 1.0) > HALF).any()
     ]
+    held = [
+        name
+        for one in triads
+        for name in parameters_of(one.sensor.kind)
+        if name not in estimated(one.sensor.kind, given.there)
+    ]
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
     missing = [
         one.kind
@@ -1034,6 +1053,14 @@ def _warnings(
         (not read.has_one_clock, sentence("calibrations.no_pauses")),
         (left, sentence("calibrations.not_calibrated", sensors=left)),
         (not_judged, sentence("calibrations.not_judged", names=not_judged)),
+        *(
+            (
+                one.is_left_handed,
+                sentence("calibrations.left_handed", sensor=one.sensor.kind),
+            )
+            for one in triads
+        ),
+        (held, sentence("calibrations.held", names=held)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),
         (

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from budget.calibration.problem import BIAS_UNITS
 from budget.documents import Documented, written
+from budget.names import AXES
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.calibration.mistakes import Mistake
     from budget.names import Name
     from budget.results import InputFile
 
@@ -85,11 +88,13 @@ class CalibratedOutput(Documented):
       bias)
     bias (list[float]) [bias_unit]: of a reading
     bias_unit
-    standard_uncertainty (list[list[float]]) [unit]: of the elements of S
-    bias_standard_uncertainty (list[float]) [bias_unit]
-    triangle (list[list[float]]) [unit]: L of S = L R, lower triangular: scale factors
-      and non-orthogonality
-    rotation (list[list[float]]) [1]: R, orthogonal: how the triad stands in the body
+    standard_uncertainty [unit]: of the elements of S; null of one that was held and not
+      estimated
+    bias_standard_uncertainty [bias_unit]: likewise
+    triangle (list[list[float]]) [unit]: L of S = L R, lower triangular: scale factors,
+      with their signs, and non-orthogonality
+    rotation (list[list[float]]) [1]: R, orthogonal: how the triad stands in the body; a
+      rotation, unless two axes are exchanged
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,10 +107,26 @@ class CompensationMatrix(Documented):
     body_from_sensor: Array
     bias: Array
     bias_unit: str
-    standard_uncertainty: Array
-    bias_standard_uncertainty: Array
+    standard_uncertainty: tuple[tuple[float | None, ...], ...]
+    bias_standard_uncertainty: tuple[float | None, ...]
     triangle: Array
     rotation: Array
+
+    @property
+    def not_estimated(self) -> tuple[str, ...]:
+        """What was held: of S by row and column, 'S xy', of the bias 'bias x'."""
+        of_S = (
+            f"S {AXES[i]}{AXES[j]}"
+            for i, row in enumerate(self.standard_uncertainty)
+            for j, u in enumerate(row)
+            if u is None
+        )
+        biases = (
+            f"bias {axis}"
+            for axis, u in zip(AXES, self.bias_standard_uncertainty, strict=True)
+            if u is None
+        )
+        return (*of_S, *biases)
 
 
 @written(
@@ -203,6 +224,14 @@ class MistakeRow(Documented):
     factor: float | None = None
     value: float | None = None
 
+    @classmethod
+    def of(cls, kind: str, mistake: Mistake) -> MistakeRow:
+        """Return a mistake as a row; what a reading is off by in the unit of a bias."""
+        what: dict[str, Any] = dict(mistake.what)
+        if mistake.added is not None:
+            what["value"] /= BIAS_UNITS[kind][1]
+        return cls(name=mistake.name, sensor=kind, **what)
+
 
 @written(
     "suspicion",
@@ -278,6 +307,7 @@ class PassedOver(Documented):
     worst (list[int]): windows that are farthest off, where no known mistake fits
     unseen: mistakes that this procedure and device may not show
     passed_over
+    not_judged (list[str]): outputs that have a limit, and no value in its unit here
     assumptions
     warnings
     """,
