@@ -9,7 +9,7 @@ the estimate by the readings, J s^2 J'.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date as Day  # noqa: N812 - one word with one meaning
 from math import hypot, inf, isnan, log, sqrt
 from typing import TYPE_CHECKING
@@ -36,26 +36,29 @@ from budget.calibration.schemes import (
 from budget.errors import BudgetError, CallError
 from budget.inputs import load_device
 from budget.inputs.files import find
-from budget.inputs.records import UNCALIBRATED, Sensor
+from budget.inputs.records import UNCALIBRATED, RunConditions, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
 from budget.model.norm import NormScheme
 from budget.model.response import COLUMN, ROW, SIGN, tilt_matrix
 from budget.model.source import GYRO, SENSORS
-from budget.names import ANGLES, AXES, ORDERS, Name, parameters_of
+from budget.names import ANGLES, AXES, IMU, ORDERS, Name, parameters_of
 from budget.recordings.calibrated import (
     CalibratedOutput,
     CompensationMatrix,
+    CorrectionInForce,
     MistakeRow,
     PassedOver,
     RecordedCalibration,
     RunChiSquare,
+    RunEnvironment,
     RunWindow,
     Suspicion,
     UnseenMistake,
 )
 from budget.recordings.columns import COUNTS, LIKE
 from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
+from budget.recordings.results import read_result
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
@@ -73,6 +76,7 @@ if TYPE_CHECKING:
     from budget.model.scheme import Scheme
     from budget.problem import Output
     from budget.recordings.health import WindowHealth
+    from budget.recordings.results import CalibrationResult, Key
     from budget.recordings.run import RecordedWindows
 
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
@@ -82,6 +86,7 @@ TINY = 1e-9  # of a reading's uncertainty, below which nothing can be left of it
 SAME_PACE = 1.25  # of lengths of windows over planned ones [1]
 HALF = 0.5  # of a nominal scale factor, from which it is none [1]
 AS_TESTED, SCALE_FACTOR = "as_tested", "scale_factor"
+MEETS, FAILS, UNDECIDED = "meets", "fails", "undecided"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,6 +182,7 @@ def calibrate(
     device: Device | File | None = None,
     recorded: RecordingSettings,
     windows: File | None = None,
+    as_found: File | None = None,
     serial: str = "",
     date: str = "",
     inputs: Inputs,
@@ -192,6 +198,9 @@ def calibrate(
         What the unit should be; without it uncertainties are those of the scatter.
     windows : str or Path, optional
         Table of when each window begins and ends.
+    as_found : str or Path, optional
+        Result of an earlier calibration (--json), whose correction the unit came with;
+        without it errors as found are of the unit without correction.
     serial, date : str
         Number of the unit, and when it was run, as they are to stand in the result.
 
@@ -234,8 +243,7 @@ def calibrate(
         )
     wanted = inputs.required
     _check_limits(wanted)
-    if date:
-        _check_date(date)
+    before = None if as_found is None else read_result(as_found)
     given = GivenOfRun(
         read=read,
         recordings=recordings,
@@ -245,7 +253,8 @@ def calibrate(
         requirement=wanted,
         coverage=asked.settle(wanted).coverage,
         serial=serial,
-        date=date,
+        date=_day(date, recordings, before),
+        before=before,
     )
     return _put_together(given, triads)
 
@@ -267,18 +276,32 @@ def _check_limits(wanted: Requirement | None) -> None:
         )
 
 
-def _check_date(date: str) -> None:
-    """Refuse a day that is none.
+def _day(
+    date: str, recordings: Sequence[Recording], before: CalibrationResult | None
+) -> str:
+    """Return the day of a run, as the call or the first recording file says; else ''.
 
     Raises
     ------
     CallError
-        It is none.
+        It is none, the two differ, or the correction in force is of a later one.
     """
+    days = [one.date for one in recordings if one.date]
     try:
-        Day.fromisoformat(date)
+        day = "" if not date else Day.fromisoformat(date).isoformat()
     except ValueError:
         raise CallError(f"date is {date!r}, expected one as 2026-05-31") from None
+    if day and days and day not in days:
+        raise CallError(
+            f"date is {day}, and the recording file says {days[0]}; leave one out"
+        )
+    found = day or next(iter(days), "")
+    if before is not None and found and before.date > found:
+        raise CallError(
+            f"{before.name} is of {before.date}, after this run of {found}; as found "
+            "is the correction that was in force before it"
+        )
+    return found
 
 
 def _triads(
@@ -583,7 +606,15 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         for kind, run in sound.items()
         if run.residual.p < SUSPECT and kind not in named
     ]
-    outputs = tuple(_outputs(triads, made, given))
+    is_bad = any(not one.is_sound for one in sound.values()) or any(
+        x.is_spoilt for _, _, x in _healths(read, triads)
+    )
+    lower = {one.owner for one in _lacks(given, triads)} | {*untold}
+    lower |= {IMU} if lower else set()
+    outputs = tuple(
+        one if is_bad else _judged(one, is_lower=one.sensor in lower)
+        for one in _as_found(_outputs(triads, made, given), made, given)
+    )
     judged = {
         Name(one.parameter, owner=one.sensor, axis=one.axis)
         for one in outputs
@@ -595,8 +626,11 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         title=given.unit.name if given.unit else read.name,
         serial=given.serial,
         date=given.date,
+        environment=tuple(given.environment),
         procedure=how.name,
         estimator=there.formulas,
+        station=(*how.station, *how.environment),
+        as_found=given.in_force,
         coverage=given.coverage,
         inputs=tuple(_files(given)),
         outputs=outputs,
@@ -640,6 +674,8 @@ class GivenOfRun:
     coverage : float
         Of the intervals [1].
     serial, date : str
+    before : CalibrationResult or None
+        Whose correction the unit came with.
     """
 
     read: RecordedWindows
@@ -651,6 +687,22 @@ class GivenOfRun:
     coverage: float
     serial: str = ""
     date: str = ""
+    before: CalibrationResult | None = None
+
+    @property
+    def in_force(self) -> CorrectionInForce | None:
+        """The same as a row."""
+        if self.before is None:
+            return None
+        own = ("name", "title", "serial", "date", "procedure", "is_sound")
+        return CorrectionInForce(**{key: getattr(self.before, key) for key in own})
+
+    @property
+    def environment(self) -> Iterator[RunEnvironment]:
+        """When and in what each recording was made."""
+        for one in self.recordings:
+            said = one.environment or RunConditions()
+            yield RunEnvironment(recording=one.name, date=one.date, **vars(said))
 
 
 def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:
@@ -899,6 +951,64 @@ def _outputs(
         )
 
 
+def _as_found(
+    rows: Iterable[CalibratedOutput], made: _Made, given: GivenOfRun
+) -> Iterator[CalibratedOutput]:
+    """Yield values with the errors of the unit as it came: less the correction's.
+
+    The correction is a number, as it was applied: the error is known as the value is.
+
+    Raises
+    ------
+    CallError
+        The correction in force has no value of it in its unit, or none of all.
+    """
+    before = given.before
+    there: dict[Key, tuple[str, float]] = {}
+    if before is not None:
+        both = zip(before.units, before.values.tolist(), strict=True)
+        there = dict(zip(before.keys, both, strict=True))
+    has_any = before is None
+    for row, nominal in zip(rows, made.nominal.tolist(), strict=True):
+        key = (row.sensor, row.parameter, row.axis)
+        taken = None if isnan(nominal) or before is not None else nominal
+        if before is not None and key in there:
+            unit, value = there[key]
+            if unit != row.unit:
+                raise CallError(
+                    f"{' '.join(key)} is in {unit} in {before.name}, and in "
+                    f"{row.unit} here; calibrate both with, or without, a gain"
+                )
+            taken, has_any = value * row.si_per_unit, True
+        yield replace(row, as_found=None if taken is None else row.value - taken)
+    if before is not None and not has_any:
+        raise CallError(f"{before.name} has no parameter in common with this run")
+
+
+def _judged(row: CalibratedOutput, *, is_lower: bool) -> CalibratedOutput:
+    """Return a value with verdicts on its errors as found and as left.
+
+    With U as guard band on either side: |e| + U within the limit meets, |e| - U above
+    it fails (JCGM 106, 8.3.2). A U that is a lower bound tells of no error whether it
+    meets.
+    """
+    limit, U = row.limit, row.expanded
+    if limit is None:
+        return row
+
+    def standing(low: float, high: float) -> str:
+        if high <= limit and not is_lower:
+            return MEETS
+        return FAILS if low > limit and not is_lower else UNDECIDED
+
+    e = None if row.as_found is None else abs(row.as_found)
+    return replace(
+        row,
+        found_standing=None if e is None else standing(e - U, e + U),
+        left_standing=FAILS if limit < U else standing(0.0, U),
+    )
+
+
 def _coverage_factors(degrees_of_freedom: Array, coverage: float) -> Array:
     """Return k of the t distribution, for the integer below: JCGM 100, G.4."""
     from scipy.special import ndtri, stdtrit
@@ -977,9 +1087,7 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
 
 def _or_none(rows: Iterable[Array]) -> tuple[tuple[float | None, ...], ...]:
     """Return rows of numbers, None where nothing was estimated."""
-    return tuple(
-        tuple(None if isnan(x) else x for x in one.tolist()) for one in rows
-    )
+    return tuple(tuple(None if isnan(x) else x for x in one.tolist()) for one in rows)
 
 
 def _files(given: GivenOfRun) -> Iterator[InputFile]:
@@ -998,6 +1106,9 @@ def _files(given: GivenOfRun) -> Iterator[InputFile]:
         yield InputFile(role=role, name=name, sha256=digest)
     there = () if given.unit is None else (given.unit,)
     yield from input_files(there, procedure=given.how, requirement=given.requirement)
+    if given.before is not None:
+        name, digest = given.before.name, given.before.sha256
+        yield InputFile(role="as found", name=name, sha256=digest)
 
 
 def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:
@@ -1034,7 +1145,13 @@ def _warnings(
     ]
     ratio = _pace(read, how)
     is_spoilt = any(x.is_spoilt for _, _, x in _healths(read, triads))
+    before = given.before
+    is_other = before is not None and before.serial != given.serial
+    is_unsound = before is not None and before.is_sound is False
+    name = "" if before is None else before.name
     rows = [
+        (is_other, sentence("calibrations.other_unit")),
+        (is_unsound, sentence("calibrations.unsound", name=name)),
         (missing, sentence("calibrations.not_recorded", sensors=missing)),
         (
             abs(log(ratio)) > log(SAME_PACE),

@@ -12,6 +12,7 @@ from budget.names import AXES
 if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.calibration.mistakes import Mistake
+    from budget.inputs.records import ErrorLine
     from budget.names import Name
     from budget.results import InputFile
 
@@ -35,6 +36,14 @@ if TYPE_CHECKING:
     remaining [1]: standard uncertainty over the one before; likewise
     limit / unit [unit]: on the absolute error; null where there is none
     utilisation [1]: k u over the limit; likewise
+    as_found / unit [unit]: error of the unit as it came, known to k u: value less that
+      of the correction in force, or less the nominal one of a unit without; null where
+      nothing says it
+    as_left = expanded / unit [unit]: what is left after the correction by the value
+    found_standing: whether the error as found with k u 'meets' the limit, 'fails' it,
+      or is 'undecided' (JCGM 106, 8.3); null without a limit, and where the run is not
+      sound
+    left_standing: likewise of what is left, which 'fails' where k u is above the limit
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +62,9 @@ class CalibratedOutput(Documented):
     prior: float | None
     prior_z: float | None
     limit: float | None = None
+    as_found: float | None = None
+    found_standing: str | None = None
+    left_standing: str | None = None
 
     @property
     def expanded(self) -> float:
@@ -75,6 +87,60 @@ class CalibratedOutput(Documented):
     def utilisation(self) -> float | None:
         """Of the limit."""
         return None if self.limit is None else self.expanded / self.limit
+
+
+@written(
+    "correction_in_force",
+    """
+    name: of the result that it is of
+    title
+    serial
+    date: of its run; empty where nobody said it
+    procedure
+    is_sound or null: whether its run was
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class CorrectionInForce(Documented):
+    """An earlier calibration, whose correction a unit came with."""
+
+    name: str
+    title: str
+    serial: str
+    date: str
+    procedure: str
+    is_sound: bool | None
+
+
+@written(
+    "run_environment",
+    """
+    recording: name of it
+    date: of it, as its recording file says; empty where it does not
+    temperature [degC]: of the air; this and what follows null where nobody said it
+    humidity * percent [%]: relative
+    pressure / hectopascal [hPa]
+    text: what else was said
+    """,
+    percent=lambda _: 100.0,
+    hectopascal=lambda _: 100.0,
+)
+@dataclass(frozen=True, kw_only=True)
+class RunEnvironment(Documented):
+    """When and in what a recording was made, as its file says."""
+
+    recording: str
+    date: str
+    temperature: float | None
+    humidity: float | None
+    pressure: float | None
+    text: str
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether anybody said anything of the environment."""
+        numbers = (self.temperature, self.humidity, self.pressure)
+        return bool(self.text) or any(one is not None for one in numbers)
 
 
 @written(
@@ -289,9 +355,14 @@ class PassedOver(Documented):
     """
     title: name of the unit, else of the run
     serial: number of the unit; empty where nobody said it
-    date: of the run, as it was given
+    date: of the run, as it was given; empty where nobody said it
+    environment: of each recording, when and in what it was made
     procedure: its name
     estimator: by which values were found
+    station as line: what the figures of table, place and environment of the test rest
+      on; empty: it names none, and they are taken as exact
+    as_found: whose correction the unit came with; null: none was given, and errors as
+      found are of the unit without correction against its nominal values
     coverage [1]: of the intervals
     inputs by role as file
     is_sound or null: whether chi-squares are as they should be, and no window is
@@ -330,8 +401,11 @@ class RecordedCalibration(Documented):
     title: str
     serial: str
     date: str
+    environment: tuple[RunEnvironment, ...]
     procedure: str
     estimator: str
+    station: tuple[ErrorLine, ...] = field(repr=False)
+    as_found: CorrectionInForce | None
     coverage: float
     inputs: tuple[InputFile, ...]
     outputs: tuple[CalibratedOutput, ...]
@@ -361,6 +435,11 @@ class RecordedCalibration(Documented):
         if self.spoilt or any(one.p < self.least_p for one in found):
             return False
         return True if found and not self.untold else None
+
+    @property
+    def failed_as_found(self) -> tuple[CalibratedOutput, ...]:
+        """Outputs whose error as found is over their limit."""
+        return tuple(x for x in self.outputs if x.found_standing == "fails")
 
     @property
     def spoilt(self) -> tuple[int, ...]:
