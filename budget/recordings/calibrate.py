@@ -50,8 +50,8 @@ from budget.recordings.calibrated import (
     MistakeRow,
     PassedOver,
     RecordedCalibration,
+    RecordedConditions,
     RunChiSquare,
-    RunEnvironment,
     RunWindow,
     Suspicion,
     UnseenMistake,
@@ -698,11 +698,11 @@ class GivenOfRun:
         return CorrectionInForce(**{key: getattr(self.before, key) for key in own})
 
     @property
-    def environment(self) -> Iterator[RunEnvironment]:
+    def environment(self) -> Iterator[RecordedConditions]:
         """When and in what each recording was made."""
         for one in self.recordings:
             said = one.environment or RunConditions()
-            yield RunEnvironment(recording=one.name, date=one.date, **vars(said))
+            yield RecordedConditions(recording=one.name, date=one.date, **vars(said))
 
 
 def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:

@@ -126,7 +126,7 @@ class CorrectionInForce(Documented):
     hectopascal=lambda _: 100.0,
 )
 @dataclass(frozen=True, kw_only=True)
-class RunEnvironment(Documented):
+class RecordedConditions(Documented):
     """When and in what a recording was made, as its file says."""
 
     recording: str
@@ -401,7 +401,7 @@ class RecordedCalibration(Documented):
     title: str
     serial: str
     date: str
-    environment: tuple[RunEnvironment, ...]
+    environment: tuple[RecordedConditions, ...]
     procedure: str
     estimator: str
     station: tuple[ErrorLine, ...] = field(repr=False)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
-        RunEnvironment,
+        RecordedConditions,
     )
     from budget.recordings.lot import CalibratedLot
     from budget.recordings.results import CalibrationChange
@@ -177,7 +177,7 @@ class PrintedRun:
     said: tuple[str, ...]
 
 
-def run_row(one: RunEnvironment) -> PrintedRun:
+def run_row(one: RecordedConditions) -> PrintedRun:
     """Print it, in the units that people read."""
     numbers = (
         (one.temperature, 1.0, "\N{DEGREE SIGN}C"),
