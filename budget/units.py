@@ -137,6 +137,7 @@ KINDS = (
     QuantityKind("a time", ("s", "min", "h", "day", "month", "year")),
     QuantityKind("a length", ("m", "km", "nmi", "ft")),
     QuantityKind("a frequency", ("Hz", "kHz")),
+    QuantityKind("a pressure", ("hPa", "kPa", "Pa", "mbar")),
     # Of lines of other packages: we have no model of a magnetic field.
     QuantityKind("a magnetic flux density", ("gauss", "uT", "mT", "T")),
     QuantityKind("a rate per magnetic flux density", ("deg/h/gauss", "deg/h/mT")),
@@ -169,6 +170,9 @@ _BASES: dict[str, tuple[float, dict[str, float]] | None] = {
     "fps": (1.0, {"ft": 1.0, "s": -1.0}),
     "Gal": (1e-2, {"m": 1.0, "s": -2.0}),
     "g": (STANDARD_GRAVITY, {"m": 1.0, "s": -2.0}),  # or that of the place
+    "Pa": None,  # of the air about a unit: a base, as no mass has a name
+    "hPa": (100.0, {"Pa": 1.0}),
+    "mbar": (100.0, {"Pa": 1.0}),
     "T": None,
     "gauss": (1e-4, {"T": 1.0}),
     "percent": (1e-2, {}),
@@ -181,6 +185,7 @@ _PREFIXED = {
     "m": "kcmun",
     "dph": "m",
     "Hz": "k",
+    "Pa": "k",
     "T": "mun",
 }
 DEFINITIONS = _BASES | {

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations, permutations
 from math import degrees, inf, isclose, log, pi, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -96,6 +96,12 @@ class Mistake:
     factor: float = 1.0
     added: tuple[int, int] | None = None
     is_free: bool = False
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Of the windows that it is of; () of one of the whole run."""
+        of: Any = dict(self.what)
+        return of.get("windows") or ((of[OF_WINDOW],) if OF_WINDOW in of else ())
 
     def really(self, windows: Sequence[Window]) -> list[Window]:
         """Return windows as they really were."""

@@ -45,6 +45,15 @@ def calibrate(
             show_default=False,
         ),
     ] = None,
+    as_found: Annotated[
+        Path | None,
+        options.judged(
+            metavar="FILE.json",
+            help="Result of the calibration whose correction the unit came with "
+            "(calibrate --json); none: as found is the unit without correction.",
+            show_default=False,
+        ),
+    ] = None,
     serial: Annotated[
         str,
         options.written(
@@ -93,13 +102,14 @@ def calibrate(
         out.json,
         out.csv,
         *out.output,
-        inputs=[*runs, *recorded.files, windows, device, *inputs.files],
+        inputs=[*runs, *recorded.files, windows, as_found, device, *inputs.files],
     )
     found = find(
         *runs,
         device=None if device is None else load_device(device, inputs.changes),
         recorded=recorded,
         windows=windows,
+        as_found=as_found,
         serial=serial,
         date=date,
         inputs=inputs,

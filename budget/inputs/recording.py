@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from datetime import date as Day  # noqa: N812 - one word with one meaning
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from budget.errors import CallError, UnitError
 from budget.inputs.fields import (
@@ -26,18 +27,22 @@ from budget.inputs.fields import (
     number,
     rows_of,
     table,
+    text,
 )
 from budget.inputs.files import lies_in
-from budget.inputs.records import Origin, Recording
+from budget.inputs.records import Origin, Recording, RunConditions
 from budget.inputs.tree import describe
+from budget.inputs.use import or_part
 from budget.model.sources import ACCELEROMETER, GYRO
 from budget.units import NUMBER, parse_quantity
 
 if TYPE_CHECKING:
     from budget.inputs.tree import Node, YamlFile
+    from budget.units import Quantity
 
 MOST_FILES = 100
 YAML = {".yaml", ".yml"}
+COLDEST = -273.15  # [degC]
 RATES = {GYRO: "deg/s", ACCELEROMETER: "m/s^2"}
 GAINS = {GYRO: "16.4 counts/(deg/s)", ACCELEROMETER: "2048 counts/g"}
 _GAIN = re.compile(rf"({NUMBER})\s*(?:counts?|LSB|digits?)\s*/\s*\(?([^()]+)\)?")
@@ -73,6 +78,43 @@ class CounterKeys(Keyed):
     rules: ClassVar[Rules] = (
         Rule("column", lambda it: not it.column, "names no column, expected its head"),
     )
+
+
+def _is_no_day(text: str) -> bool:
+    """Whether a text is no day."""
+    try:
+        Day.fromisoformat(text)
+    except ValueError:
+        return True
+    return False
+
+
+class ConditionKeys(Keyed):
+    """What the environment of a run was: a certificate says it, it moves no number."""
+
+    rows: ClassVar[Rows] = {
+        "temperature": KeyRow(measured("degC", Sign.ANY), "of the air"),
+        "humidity": KeyRow(measured("%"), "relative"),
+        "pressure": KeyRow(measured("hPa"), "of the air"),
+        "text": KeyRow(TEXT, "what else is to be said, or all of it"),
+    }
+    rules: ClassVar[Rules] = (
+        Rule(
+            "temperature",
+            lambda it: it.temperature is not None and celsius(it.temperature) < COLDEST,
+            "is below absolute zero, expected one as '23 degC'",
+        ),
+        Rule(
+            "humidity",
+            lambda it: it.humidity is not None and it.humidity.value > 1.0,
+            "is above 100 %, expected relative humidity as '45 %'",
+        ),
+    )
+
+
+def celsius(temperature: Quantity) -> float:
+    """Return a temperature on the scale of Celsius [degC]."""
+    return temperature.value + (COLDEST if temperature.unit == "K" else 0.0)
 
 
 class RecordingFile(Keyed):
@@ -114,6 +156,16 @@ class RecordingFile(Keyed):
             "reading at the end of the range; unset: where extreme values pile up",
         ),
         "counter": KeyRow(table(CounterKeys), "of samples: it says where some lack"),
+        "date": KeyRow(
+            text(200, (_is_no_day, "is no day, expected one as 2026-05-31")),
+            "day of the run, 'YYYY-MM-DD'",
+        ),
+        "environment": KeyRow(
+            or_part(table(ConditionKeys, title="conditions of a run"), key="text"),
+            "that the run was made in, as {temperature: 23 degC, humidity: 45 %, "
+            "pressure: 1002 hPa, text: ...}; a text alone is text: certificates say "
+            "it, and it moves no number",
+        ),
     }
 
 
@@ -156,8 +208,22 @@ def read_recording(document: YamlFile) -> Recording:
         increments=bool(model.increments),
         saturation=sizes(model.saturation),
         counter=(counter.column, counter.modulo) if counter else None,
+        date=model.date or "",
+        environment=None if model.environment is None else _run_in(model.environment),
         assumptions=(),
         origin=Origin(file=document.base_name, sha256=document.sha256),
+    )
+
+
+def _run_in(given: Keyed) -> RunConditions:
+    """Return what a file says of the environment of a run."""
+    found: Any = given
+    humidity, pressure = found.humidity, found.pressure
+    return RunConditions(
+        temperature=None if found.temperature is None else celsius(found.temperature),
+        humidity=None if humidity is None else humidity.value,
+        pressure=None if pressure is None else pressure.value,
+        text=found.text or "",
     )
 
 

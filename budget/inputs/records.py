@@ -516,6 +516,16 @@ class Costs:
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunConditions:
+    """What the environment of a run was, as its file says: it moves no number."""
+
+    temperature: float | None = None  # [degC]
+    humidity: float | None = None  # relative [1]
+    pressure: float | None = None  # [Pa]
+    text: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Recording:
     """Files of recorded readings, and what is said of their columns.
 
@@ -537,6 +547,10 @@ class Recording:
         By sensor, reading at the end of the range [SI].
     counter : (str, int), optional
         Head of a counter of samples, and from where it begins again.
+    date : str
+        Day of the run, 'YYYY-MM-DD'; '' where it does not say it.
+    environment : RunConditions, optional
+        Likewise.
     """
 
     name: str
@@ -547,6 +561,8 @@ class Recording:
     increments: bool = False
     saturation: Mapping[str, float] = field(default_factory=dict)
     counter: tuple[str, int] | None = None
+    date: str = ""
+    environment: RunConditions | None = None
     assumptions: tuple[str, ...] = ()
     origin: Origin | None = None
 

@@ -9,10 +9,10 @@ the estimate by the readings, J s^2 J'.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date as Day  # noqa: N812 - one word with one meaning
-from math import hypot, inf, log, sqrt
-from typing import TYPE_CHECKING, Any
+from math import hypot, inf, isnan, log, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -36,19 +36,21 @@ from budget.calibration.schemes import (
 from budget.errors import BudgetError, CallError
 from budget.inputs import load_device
 from budget.inputs.files import find
-from budget.inputs.records import UNCALIBRATED, Sensor
+from budget.inputs.records import UNCALIBRATED, RunConditions, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
 from budget.model.norm import NormScheme
 from budget.model.response import COLUMN, ROW, SIGN, tilt_matrix
 from budget.model.source import GYRO, SENSORS
-from budget.names import ANGLES, AXES, ORDERS, Name, parameters_of
+from budget.names import ANGLES, AXES, IMU, ORDERS, Name, parameters_of
 from budget.recordings.calibrated import (
     CalibratedOutput,
     CompensationMatrix,
+    CorrectionInForce,
     MistakeRow,
     PassedOver,
     RecordedCalibration,
+    RecordedConditions,
     RunChiSquare,
     RunWindow,
     Suspicion,
@@ -56,6 +58,7 @@ from budget.recordings.calibrated import (
 )
 from budget.recordings.columns import COUNTS, LIKE
 from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
+from budget.recordings.results import read_result
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
@@ -63,7 +66,7 @@ from budget.settings import Asked, Inputs, RecordingSettings, asking
 from budget.units import size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from budget.arrays import Array
     from budget.calibration.mistakes import ChiSquare, Mistake
@@ -73,6 +76,7 @@ if TYPE_CHECKING:
     from budget.model.scheme import Scheme
     from budget.problem import Output
     from budget.recordings.health import WindowHealth
+    from budget.recordings.results import CalibrationResult, Key
     from budget.recordings.run import RecordedWindows
 
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
@@ -82,6 +86,7 @@ TINY = 1e-9  # of a reading's uncertainty, below which nothing can be left of it
 SAME_PACE = 1.25  # of lengths of windows over planned ones [1]
 HALF = 0.5  # of a nominal scale factor, from which it is none [1]
 AS_TESTED, SCALE_FACTOR = "as_tested", "scale_factor"
+MEETS, FAILS, UNDECIDED = "meets", "fails", "undecided"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -121,6 +126,12 @@ class _Triad:
     def scale_factor(self) -> Array:
         """K of readings over the input, (3,) [1, or counts per unit of the input]."""
         return np.asarray(self.scale * self.found.scale_factor)
+
+    @property
+    def is_left_handed(self) -> bool:
+        """Whether S = K M turns a right-handed triad of inputs into a left-handed."""
+        M = np.eye(3) + tilt_matrix(self.found.mounting_angle)
+        return float(np.prod(self.scale_factor) * np.linalg.det(M)) < 0.0
 
     @property
     def bias(self) -> Array:
@@ -171,6 +182,7 @@ def calibrate(
     device: Device | File | None = None,
     recorded: RecordingSettings,
     windows: File | None = None,
+    as_found: File | None = None,
     serial: str = "",
     date: str = "",
     inputs: Inputs,
@@ -186,6 +198,9 @@ def calibrate(
         What the unit should be; without it uncertainties are those of the scatter.
     windows : str or Path, optional
         Table of when each window begins and ends.
+    as_found : str or Path, optional
+        Result of an earlier calibration (--json), whose correction the unit came with;
+        without it errors as found are of the unit without correction.
     serial, date : str
         Number of the unit, and when it was run, as they are to stand in the result.
 
@@ -228,8 +243,7 @@ def calibrate(
         )
     wanted = inputs.required
     _check_limits(wanted)
-    if date:
-        _check_date(date)
+    before = None if as_found is None else read_result(as_found)
     given = GivenOfRun(
         read=read,
         recordings=recordings,
@@ -239,7 +253,8 @@ def calibrate(
         requirement=wanted,
         coverage=asked.settle(wanted).coverage,
         serial=serial,
-        date=date,
+        date=_day(date, recordings, before),
+        before=before,
     )
     return _put_together(given, triads)
 
@@ -261,18 +276,32 @@ def _check_limits(wanted: Requirement | None) -> None:
         )
 
 
-def _check_date(date: str) -> None:
-    """Refuse a day that is none.
+def _day(
+    date: str, recordings: Sequence[Recording], before: CalibrationResult | None
+) -> str:
+    """Return the day of a run, as the call or the first recording file says; else ''.
 
     Raises
     ------
     CallError
-        It is none.
+        It is none, the two differ, or the correction in force is of a later one.
     """
+    days = [one.date for one in recordings if one.date]
     try:
-        Day.fromisoformat(date)
+        day = "" if not date else Day.fromisoformat(date).isoformat()
     except ValueError:
         raise CallError(f"date is {date!r}, expected one as 2026-05-31") from None
+    if day and days and day not in days:
+        raise CallError(
+            f"date is {day}, and the recording file says {days[0]}; leave one out"
+        )
+    found = day or next(iter(days), "")
+    if before is not None and found and before.date > found:
+        raise CallError(
+            f"{before.name} is of {before.date}, after this run of {found}; as found "
+            "is the correction that was in force before it"
+        )
+    return found
 
 
 def _triads(
@@ -577,7 +606,15 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         for kind, run in sound.items()
         if run.residual.p < SUSPECT and kind not in named
     ]
-    outputs = tuple(_outputs(triads, made, given))
+    is_bad = any(not one.is_sound for one in sound.values()) or any(
+        x.is_spoilt for _, _, x in _healths(read, triads)
+    )
+    lower = {one.owner for one in _lacks(given, triads)} | {*untold}
+    lower |= {IMU} if lower else set()
+    outputs = tuple(
+        one if is_bad else _judged(one, is_lower=one.sensor in lower)
+        for one in _as_found(_outputs(triads, made, given), made, given)
+    )
     judged = {
         Name(one.parameter, owner=one.sensor, axis=one.axis)
         for one in outputs
@@ -589,8 +626,11 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         title=given.unit.name if given.unit else read.name,
         serial=given.serial,
         date=given.date,
+        environment=tuple(given.environment),
         procedure=how.name,
         estimator=there.formulas,
+        station=(*how.station, *how.environment),
+        as_found=given.in_force,
         coverage=given.coverage,
         inputs=tuple(_files(given)),
         outputs=outputs,
@@ -634,6 +674,8 @@ class GivenOfRun:
     coverage : float
         Of the intervals [1].
     serial, date : str
+    before : CalibrationResult or None
+        Whose correction the unit came with.
     """
 
     read: RecordedWindows
@@ -645,6 +687,22 @@ class GivenOfRun:
     coverage: float
     serial: str = ""
     date: str = ""
+    before: CalibrationResult | None = None
+
+    @property
+    def in_force(self) -> CorrectionInForce | None:
+        """The same as a row."""
+        if self.before is None:
+            return None
+        own = ("name", "title", "serial", "date", "procedure", "is_sound")
+        return CorrectionInForce(**{key: getattr(self.before, key) for key in own})
+
+    @property
+    def environment(self) -> Iterator[RecordedConditions]:
+        """When and in what each recording was made."""
+        for one in self.recordings:
+            said = one.environment or RunConditions()
+            yield RecordedConditions(recording=one.name, date=one.date, **vars(said))
 
 
 def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:
@@ -679,23 +737,15 @@ def _chi(kind: str, one: ChiSquare) -> RunChiSquare:
     )
 
 
-def mistake_row(kind: str, mistake: Mistake) -> MistakeRow:
-    """Return a mistake as a row; what a reading is off by in the unit of a bias."""
-    what: dict[str, Any] = dict(mistake.what)
-    if mistake.added is not None:
-        what["value"] /= BIAS_UNITS[kind][1]
-    return MistakeRow(name=mistake.name, sensor=kind, **what)
-
-
 def _suspicion(kind: str, run: TriadRun | NormRun) -> Suspicion | None:
     """Return what a triad's run looks like; None where no known mistake fits."""
     found = run.looks_like
     if found is None:
         return None
     return Suspicion(
-        mistake=mistake_row(kind, found.mistake),
+        mistake=MistakeRow.of(kind, found.mistake),
         evidence=found.evidence,
-        also=tuple(mistake_row(kind, one) for one in found.also),
+        also=tuple(MistakeRow.of(kind, one) for one in found.also),
     )
 
 
@@ -704,17 +754,18 @@ def unseen_of(kind: str, run: TriadRun | NormRun) -> Iterator[UnseenMistake]:
     groups: dict[str, list[Mistake]] = {}
     for one in run.known:
         groups.setdefault(one.name, []).append(one)
-    for name, own in groups.items():
+    for name, every in groups.items():
+        # Two windows of equal inputs may be exchanged without harm.
+        own = [one for one in every if name != "windows_order" or run.is_seen(one)]
         seen = [run.shown(one) if run.is_seen(one) else 0.0 for one in own]
         missed = [one for one, p in zip(own, seen, strict=True) if p < SHOWN]
-        # Two windows of equal inputs may be exchanged without harm.
-        if not missed or name == "windows_order":
-            continue
-        keys = [dict(one.what).get("window") for one in missed]
-        numbers = dict.fromkeys(key for key in keys if isinstance(key, int))
-        yield UnseenMistake(
-            name=name, sensor=kind, probability=min(seen), windows=tuple(numbers)
-        )
+        if missed:
+            yield UnseenMistake(
+                name=name,
+                sensor=kind,
+                probability=min(seen),
+                windows=tuple(sorted({x for one in missed for x in one.numbers})),
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -900,6 +951,64 @@ def _outputs(
         )
 
 
+def _as_found(
+    rows: Iterable[CalibratedOutput], made: _Made, given: GivenOfRun
+) -> Iterator[CalibratedOutput]:
+    """Yield values with the errors of the unit as it came: less the correction's.
+
+    The correction is a number, as it was applied: the error is known as the value is.
+
+    Raises
+    ------
+    CallError
+        The correction in force has no value of it in its unit, or none of all.
+    """
+    before = given.before
+    there: dict[Key, tuple[str, float]] = {}
+    if before is not None:
+        both = zip(before.units, before.values.tolist(), strict=True)
+        there = dict(zip(before.keys, both, strict=True))
+    has_any = before is None
+    for row, nominal in zip(rows, made.nominal.tolist(), strict=True):
+        key = (row.sensor, row.parameter, row.axis)
+        taken = None if isnan(nominal) or before is not None else nominal
+        if before is not None and key in there:
+            unit, value = there[key]
+            if unit != row.unit:
+                raise CallError(
+                    f"{' '.join(key)} is in {unit} in {before.name}, and in "
+                    f"{row.unit} here; calibrate both with, or without, a gain"
+                )
+            taken, has_any = value * row.si_per_unit, True
+        yield replace(row, as_found=None if taken is None else row.value - taken)
+    if before is not None and not has_any:
+        raise CallError(f"{before.name} has no parameter in common with this run")
+
+
+def _judged(row: CalibratedOutput, *, is_lower: bool) -> CalibratedOutput:
+    """Return a value with verdicts on its errors as found and as left.
+
+    With U as guard band on either side: |e| + U within the limit meets, |e| - U above
+    it fails (JCGM 106, 8.3.2). A U that is a lower bound tells of no error whether it
+    meets.
+    """
+    limit, U = row.limit, row.expanded
+    if limit is None:
+        return row
+
+    def standing(low: float, high: float) -> str:
+        if high <= limit and not is_lower:
+            return MEETS
+        return FAILS if low > limit and not is_lower else UNDECIDED
+
+    e = None if row.as_found is None else abs(row.as_found)
+    return replace(
+        row,
+        found_standing=None if e is None else standing(e - U, e + U),
+        left_standing=FAILS if limit < U else standing(0.0, U),
+    )
+
+
 def _coverage_factors(degrees_of_freedom: Array, coverage: float) -> Array:
     """Return k of the t distribution, for the integer below: JCGM 100, G.4."""
     from scipy.special import ndtri, stdtrit
@@ -925,7 +1034,7 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
     bias_unit = COUNTS if triad.has_counts else like
     bias = K * triad.bias / (1.0 if triad.has_counts else size)
     rows = {one.name: k for k, one in enumerate(made.outputs)}
-    u_S, u_b = np.zeros((3, 3)), np.zeros(3)
+    u_S, u_b = np.full((3, 3), np.nan), np.full(3, np.nan)  # of what is held
     C = made.covariance
 
     def covariance(a: Name, b: Name) -> float:
@@ -934,14 +1043,16 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
     for i, axis in enumerate(AXES):
         k_ = Name(SCALE_FACTOR, owner=kind, axis=axis)
         b_ = Name("bias", owner=kind, axis=axis)
-        u_S[i, i] = sqrt(covariance(k_, k_))
         own = triad.bias[i]
         square = (
             own**2 * covariance(k_, k_)
             + 2.0 * own * covariance(k_, b_)
             + covariance(b_, b_)
         )
-        u_b[i] = sqrt(max(square, 0.0))
+        if k_ in rows:
+            u_S[i, i] = sqrt(covariance(k_, k_))
+        if b_ in rows:
+            u_b[i] = sqrt(max(square, 0.0))
     for angle, i, j, sign in zip(ANGLES, ROW, COLUMN, SIGN, strict=True):
         a_ = Name("mounting_angle", owner=kind, axis=angle)
         k_ = Name(SCALE_FACTOR, owner=kind, axis=AXES[i])
@@ -951,9 +1062,12 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
             + 2.0 * sign * part * covariance(a_, k_)
             + part**2 * covariance(k_, k_)
         )
-        u_S[i, j] = sqrt(max(square, 0.0))
+        if a_ in rows:
+            u_S[i, j] = sqrt(max(square, 0.0))
     q, r = np.linalg.qr(S.T)
-    signs = np.where(np.diag(r) < 0.0, -1.0, 1.0)
+    # The sign of an axis that is reversed is that of its scale factor, so that R is a
+    # rotation.
+    signs = np.where(np.diag(r) * K < 0.0, -1.0, 1.0)
     scale = np.abs(K)
     return CompensationMatrix(
         sensor=kind,
@@ -962,11 +1076,18 @@ def _matrix(triad: _Triad, made: _Made) -> CompensationMatrix:
         body_from_sensor=np.asarray(np.linalg.inv(S), dtype=float),
         bias=bias,
         bias_unit=bias_unit,
-        standard_uncertainty=u_S * scale[:, None] * of_reading,
-        bias_standard_uncertainty=u_b * scale / (1.0 if triad.has_counts else size),
+        standard_uncertainty=_or_none(u_S * scale[:, None] * of_reading),
+        bias_standard_uncertainty=_or_none(
+            [u_b * scale / (1.0 if triad.has_counts else size)]
+        )[0],
         triangle=(r.T * signs),
         rotation=(q * signs).T,
     )
+
+
+def _or_none(rows: Iterable[Array]) -> tuple[tuple[float | None, ...], ...]:
+    """Return rows of numbers, None where nothing was estimated."""
+    return tuple(tuple(None if isnan(x) else x for x in one.tolist()) for one in rows)
 
 
 def _files(given: GivenOfRun) -> Iterator[InputFile]:
@@ -985,6 +1106,9 @@ def _files(given: GivenOfRun) -> Iterator[InputFile]:
         yield InputFile(role=role, name=name, sha256=digest)
     there = () if given.unit is None else (given.unit,)
     yield from input_files(there, procedure=given.how, requirement=given.requirement)
+    if given.before is not None:
+        name, digest = given.before.name, given.before.sha256
+        yield InputFile(role="as found", name=name, sha256=digest)
 
 
 def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:
@@ -1007,6 +1131,12 @@ def _warnings(
         if unit is None and not one.has_counts
         if (np.abs(one.scale_factor - 1.0) > HALF).any()
     ]
+    held = [
+        name
+        for one in triads
+        for name in parameters_of(one.sensor.kind)
+        if name not in estimated(one.sensor.kind, given.there)
+    ]
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
     missing = [
         one.kind
@@ -1015,7 +1145,13 @@ def _warnings(
     ]
     ratio = _pace(read, how)
     is_spoilt = any(x.is_spoilt for _, _, x in _healths(read, triads))
+    before = given.before
+    is_other = before is not None and before.serial != given.serial
+    is_unsound = before is not None and before.is_sound is False
+    name = "" if before is None else before.name
     rows = [
+        (is_other, sentence("calibrations.other_unit")),
+        (is_unsound, sentence("calibrations.unsound", name=name)),
         (missing, sentence("calibrations.not_recorded", sensors=missing)),
         (
             abs(log(ratio)) > log(SAME_PACE),
@@ -1034,6 +1170,14 @@ def _warnings(
         (not read.has_one_clock, sentence("calibrations.no_pauses")),
         (left, sentence("calibrations.not_calibrated", sensors=left)),
         (not_judged, sentence("calibrations.not_judged", names=not_judged)),
+        *(
+            (
+                one.is_left_handed,
+                sentence("calibrations.left_handed", sensor=one.sensor.kind),
+            )
+            for one in triads
+        ),
+        (held, sentence("calibrations.held", names=held)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),
         (

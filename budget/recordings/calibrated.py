@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from budget.calibration.problem import BIAS_UNITS
 from budget.documents import Documented, written
+from budget.names import AXES
 
 if TYPE_CHECKING:
     from budget.arrays import Array
+    from budget.calibration.mistakes import Mistake
+    from budget.inputs.records import ErrorLine
     from budget.names import Name
     from budget.results import InputFile
 
@@ -32,6 +36,14 @@ if TYPE_CHECKING:
     remaining [1]: standard uncertainty over the one before; likewise
     limit / unit [unit]: on the absolute error; null where there is none
     utilisation [1]: k u over the limit; likewise
+    as_found / unit [unit]: error of the unit as it came, known to k u: value less that
+      of the correction in force, or less the nominal one of a unit without; null where
+      nothing says it
+    as_left = expanded / unit [unit]: what is left after the correction by the value
+    found_standing: whether the error as found with k u 'meets' the limit, 'fails' it,
+      or is 'undecided' (JCGM 106, 8.3); null without a limit, and where the run is not
+      sound
+    left_standing: likewise of what is left, which 'fails' where k u is above the limit
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +62,9 @@ class CalibratedOutput(Documented):
     prior: float | None
     prior_z: float | None
     limit: float | None = None
+    as_found: float | None = None
+    found_standing: str | None = None
+    left_standing: str | None = None
 
     @property
     def expanded(self) -> float:
@@ -75,6 +90,60 @@ class CalibratedOutput(Documented):
 
 
 @written(
+    "correction_in_force",
+    """
+    name: of the result that it is of
+    title
+    serial
+    date: of its run; empty where nobody said it
+    procedure
+    is_sound or null: whether its run was
+    """,
+)
+@dataclass(frozen=True, kw_only=True)
+class CorrectionInForce(Documented):
+    """An earlier calibration, whose correction a unit came with."""
+
+    name: str
+    title: str
+    serial: str
+    date: str
+    procedure: str
+    is_sound: bool | None
+
+
+@written(
+    "run_environment",
+    """
+    recording: name of it
+    date: of it, as its recording file says; empty where it does not
+    temperature [degC]: of the air; this and what follows null where nobody said it
+    humidity * percent [%]: relative
+    pressure / hectopascal [hPa]
+    text: what else was said
+    """,
+    percent=lambda _: 100.0,
+    hectopascal=lambda _: 100.0,
+)
+@dataclass(frozen=True, kw_only=True)
+class RecordedConditions(Documented):
+    """When and in what a recording was made, as its file says."""
+
+    recording: str
+    date: str
+    temperature: float | None
+    humidity: float | None
+    pressure: float | None
+    text: str
+
+    @property
+    def is_stated(self) -> bool:
+        """Whether anybody said anything of the environment."""
+        numbers = (self.temperature, self.humidity, self.pressure)
+        return bool(self.text) or any(one is not None for one in numbers)
+
+
+@written(
     "compensation_matrix",
     """
     sensor
@@ -85,11 +154,13 @@ class CalibratedOutput(Documented):
       bias)
     bias (list[float]) [bias_unit]: of a reading
     bias_unit
-    standard_uncertainty (list[list[float]]) [unit]: of the elements of S
-    bias_standard_uncertainty (list[float]) [bias_unit]
-    triangle (list[list[float]]) [unit]: L of S = L R, lower triangular: scale factors
-      and non-orthogonality
-    rotation (list[list[float]]) [1]: R, orthogonal: how the triad stands in the body
+    standard_uncertainty [unit]: of the elements of S; null of one that was held and not
+      estimated
+    bias_standard_uncertainty [bias_unit]: likewise
+    triangle (list[list[float]]) [unit]: L of S = L R, lower triangular: scale factors,
+      with their signs, and non-orthogonality
+    rotation (list[list[float]]) [1]: R, orthogonal: how the triad stands in the body; a
+      rotation, unless two axes are exchanged
     """,
 )
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,10 +173,26 @@ class CompensationMatrix(Documented):
     body_from_sensor: Array
     bias: Array
     bias_unit: str
-    standard_uncertainty: Array
-    bias_standard_uncertainty: Array
+    standard_uncertainty: tuple[tuple[float | None, ...], ...]
+    bias_standard_uncertainty: tuple[float | None, ...]
     triangle: Array
     rotation: Array
+
+    @property
+    def not_estimated(self) -> tuple[str, ...]:
+        """What was held: of S by row and column, 'S xy', of the bias 'bias x'."""
+        of_S = (
+            f"S {AXES[i]}{AXES[j]}"
+            for i, row in enumerate(self.standard_uncertainty)
+            for j, u in enumerate(row)
+            if u is None
+        )
+        biases = (
+            f"bias {axis}"
+            for axis, u in zip(AXES, self.bias_standard_uncertainty, strict=True)
+            if u is None
+        )
+        return (*of_S, *biases)
 
 
 @written(
@@ -203,6 +290,14 @@ class MistakeRow(Documented):
     factor: float | None = None
     value: float | None = None
 
+    @classmethod
+    def of(cls, kind: str, mistake: Mistake) -> MistakeRow:
+        """Return a mistake as a row; what a reading is off by in the unit of a bias."""
+        what: dict[str, Any] = dict(mistake.what)
+        if mistake.added is not None:
+            what["value"] /= BIAS_UNITS[kind][1]
+        return cls(name=mistake.name, sensor=kind, **what)
+
 
 @written(
     "suspicion",
@@ -260,9 +355,14 @@ class PassedOver(Documented):
     """
     title: name of the unit, else of the run
     serial: number of the unit; empty where nobody said it
-    date: of the run, as it was given
+    date: of the run, as it was given; empty where nobody said it
+    environment: of each recording, when and in what it was made
     procedure: its name
     estimator: by which values were found
+    station as line: what the figures of table, place and environment of the test rest
+      on; empty: it names none, and they are taken as exact
+    as_found: whose correction the unit came with; null: none was given, and errors as
+      found are of the unit without correction against its nominal values
     coverage [1]: of the intervals
     inputs by role as file
     is_sound or null: whether chi-squares are as they should be, and no window is
@@ -278,6 +378,7 @@ class PassedOver(Documented):
     worst (list[int]): windows that are farthest off, where no known mistake fits
     unseen: mistakes that this procedure and device may not show
     passed_over
+    not_judged (list[str]): outputs that have a limit, and no value in its unit here
     assumptions
     warnings
     """,
@@ -300,8 +401,11 @@ class RecordedCalibration(Documented):
     title: str
     serial: str
     date: str
+    environment: tuple[RecordedConditions, ...]
     procedure: str
     estimator: str
+    station: tuple[ErrorLine, ...] = field(repr=False)
+    as_found: CorrectionInForce | None
     coverage: float
     inputs: tuple[InputFile, ...]
     outputs: tuple[CalibratedOutput, ...]
@@ -331,6 +435,11 @@ class RecordedCalibration(Documented):
         if self.spoilt or any(one.p < self.least_p for one in found):
             return False
         return True if found and not self.untold else None
+
+    @property
+    def failed_as_found(self) -> tuple[CalibratedOutput, ...]:
+        """Outputs whose error as found is over their limit."""
+        return tuple(x for x in self.outputs if x.found_standing == "fails")
 
     @property
     def spoilt(self) -> tuple[int, ...]:

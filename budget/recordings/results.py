@@ -31,7 +31,7 @@ from budget.inputs.records import Sensor
 from budget.journal import note_read
 from budget.model.source import SENSORS
 from budget.names import ANGLES, AXES, PARAMETERS
-from budget.recordings.calibrate import mistake_row
+from budget.recordings.calibrated import MistakeRow
 from budget.results import InputFile
 from budget.sentences import sentence
 from budget.units import size_of
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Procedure
     from budget.model.scheme import Scheme
-    from budget.recordings.calibrated import MistakeRow
 
 MOVED, WITHIN = "moved", "within"
 LEVEL = 0.05  # probability that one of all is found to have moved, and none has
@@ -365,7 +364,7 @@ def _looks(
             continue
         if least[0] <= EXPLAINED * whole:
             yield ChangeOfMistake(
-                mistake=mistake_row(kind, least[2]),
+                mistake=MistakeRow.of(kind, least[2]),
                 evidence=whole - least[0],
                 run=least[1],
             )

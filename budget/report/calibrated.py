@@ -30,10 +30,12 @@ if TYPE_CHECKING:
     from types import SimpleNamespace
 
     from budget.arrays import Array
+    from budget.inputs.records import ErrorLine
     from budget.recordings.calibrate import UnseenMistakes
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
+        RecordedConditions,
     )
     from budget.recordings.lot import CalibratedLot
     from budget.recordings.results import CalibrationChange
@@ -60,6 +62,8 @@ class PrintedOutput:
     exact: float
     expanded: str
     nu: str
+    as_found: str  # '' where nothing says it
+    exact_as_found: float
 
 
 def printed_output(row: CalibratedOutput) -> PrintedOutput:
@@ -68,6 +72,7 @@ def printed_output(row: CalibratedOutput) -> PrintedOutput:
     decimals = 1 - floor(log10(expanded)) if 0.0 < expanded < inf else 6
     decimals = min(max(decimals, 0), MOST_DIGITS)
     nu = row.degrees_of_freedom
+    error = None if row.as_found is None else row.as_found / row.si_per_unit
     return PrintedOutput(
         row=row,
         name=Name(row.parameter, owner=row.sensor, axis=row.axis),
@@ -77,6 +82,10 @@ def printed_output(row: CalibratedOutput) -> PrintedOutput:
         exact=value,
         expanded=print_given(expanded, digits=2),
         nu="" if nu == inf else print_given(nu, digits=2),
+        as_found=""
+        if error is None
+        else f"{round(error, decimals) + 0.0:+.{decimals}f}",
+        exact_as_found=error or 0.0,
     )
 
 
@@ -129,6 +138,58 @@ def unseen_section(found: UnseenMistakes, *, device: str) -> Section:
     """Return what a run of a procedure with a device may not show."""
     (section,) = sections("unseen", found=found, device=device)
     return section
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedFigure:
+    """A figure of table, place or environment, and what it rests on; '' not stated."""
+
+    name: str
+    printed: str
+    meaning: str
+    shape: str
+    nu: str
+    source: str
+    condition: str
+
+
+def station_row(line: ErrorLine) -> PrintedFigure:
+    """Print a figure that a calibration rests on."""
+    shapes = dict.fromkeys(one.name for one in line.distributions)
+    nu = [print_given(x, digits=2) for x in line.degrees_of_freedom if x is not None]
+    return PrintedFigure(
+        name=line.name,
+        printed=line.printed,
+        meaning=line.meaning,
+        shape=", ".join(shapes),
+        nu=", ".join(dict.fromkeys(nu)),
+        source=line.source,
+        condition=line.condition,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedRun:
+    """When and in what a recording was made; '' of what is not stated."""
+
+    recording: str
+    date: str
+    said: tuple[str, ...]
+
+
+def run_row(one: RecordedConditions) -> PrintedRun:
+    """Print it, in the units that people read."""
+    numbers = (
+        (one.temperature, 1.0, "\N{DEGREE SIGN}C"),
+        (one.humidity, 100.0, "% RH"),
+        (one.pressure, 0.01, "hPa"),
+    )
+    given = [f"{x * size:.6g} {unit}" for x, size, unit in numbers if x is not None]
+    return PrintedRun(
+        recording=one.recording,
+        date=one.date,
+        said=(*given, *([one.text] if one.text else [])),
+    )
 
 
 def _view(found: RecordedCalibration) -> dict[str, object]:
@@ -188,6 +249,8 @@ def calibrate_document(
         picture=None if pulls is None else chart_picture(pulls),
         residuals=None if residuals is None else chart_picture(residuals),
         windows=windows,
+        station=[station_row(one) for one in found.station],
+        conditions=[run_row(one) for one in found.environment],
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
@@ -197,7 +260,7 @@ def calibrate_document(
                 ("L", one.triangle, one.unit, WHOLE),
                 ("R", one.rotation, "1", WHOLE),
                 ("bias", one.bias[None], one.bias_unit, WHOLE),
-                ("u(bias)", one.bias_standard_uncertainty[None], one.bias_unit, SHORT),
+                ("u(bias)", [one.bias_standard_uncertainty], one.bias_unit, SHORT),
             ]
             for one in found.matrix
         },

@@ -80,6 +80,7 @@ def _matrix(one: CompensationMatrix) -> dict[str, object]:
         "reading": one.bias_unit,
         "input": LIKE[one.sensor],
         "bias": _digits(one.bias),
+        "not_estimated": one.not_estimated,
         "rows": [_digits(row) for row in one.body_from_sensor],
     }
 
