@@ -28,7 +28,7 @@ def history(
         str | None,
         options.judged(
             metavar="DEVICE",
-            help="Data sheet, whose ageing drifts are held against.",
+            help="Data sheet, whose repeatability and ageing drifts are held against.",
             autocompletion=options.complete_device,
             show_default=False,
         ),
@@ -41,7 +41,9 @@ def history(
 
     Straight lines with their intervals, parameter by parameter; with a requirement when
     its limits may be reached since the last calibration, with a device whether it ages
-    more than its data sheet says. Runs that were not sound are left out.
+    more than its data sheet says. Values have the repeatability of the device besides,
+    without which limits of the next turn-on are refused. Runs that were not sound are
+    left out.
     """
     from budget.cli.output import check_destinations, hand_out, pages_asked
     from budget.inputs import load_device

@@ -19,9 +19,8 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.model.source import GYRO
 from budget.names import PARAMETERS, Name, parameters_of
-from budget.recordings.results import LEVEL
+from budget.recordings.results import LEVEL, counted_once, said_of
 from budget.results import InputFile, input_files
-from budget.sentences import sentence
 from budget.units import STANDARD_GRAVITY, size_of
 
 if TYPE_CHECKING:
@@ -30,7 +29,8 @@ if TYPE_CHECKING:
     from budget.inputs.records import Device
     from budget.recordings.results import CalibrationResult, Key
 
-WORSE, WITHIN, NOT_PRINTED = "worse", "within", "not_printed"
+WORSE, WITHIN = "worse", "within"
+NOT_PRINTED, NOT_TOLD = "not_printed", "not_told"
 LEAST = 2  # units of which there is a spread
 
 
@@ -49,7 +49,8 @@ LEAST = 2  # units of which there is a spread
     spread_high [unit]
     printed [unit]: standard uncertainty by the data sheet; null where it gives none
     p [1]: probability of as large a spread in a lot as printed; likewise
-    standing: 'within', 'worse' where p is below 5 % over all, or 'not_printed'
+    standing: 'within', 'worse' where p is below 5 % over all that are printed,
+      'not_printed', or 'not_told' where a value has no uncertainty
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -98,6 +99,11 @@ class CalibratedLot(Documented):
         """Parameters that spread more than printed."""
         return tuple(one for one in self.parameters if one.standing == WORSE)
 
+    @property
+    def judged(self) -> tuple[LotSpread, ...]:
+        """Parameters that are held against what is printed."""
+        return tuple(one for one in self.parameters if one.p is not None)
+
 
 def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLot:
     """Hold calibrations of several units beside their data sheet.
@@ -109,10 +115,12 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
     CallError
         They are fewer than two, of one unit, or have no parameter of the device.
     """
-    sound = [one for one in results if one.is_sound is not False]
+    kept, twice = counted_once(results)
+    sound = [one for one in kept if one.is_sound is not False]
     units = [one.serial or one.name for one in sound]
     if len(sound) < LEAST:
-        raise CallError("fewer than two units were calibrated by a sound run")
+        said = "".join(f"; {one}" for one in twice)
+        raise CallError(f"fewer than two units were calibrated by a sound run{said}")
     if len({*units}) < len(units):
         raise CallError(
             "some results are of one unit; of a unit over time ask `budget history`"
@@ -127,7 +135,6 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
         raise CallError(f"the results have no parameter of {device.name} in common")
     number = sum(known[key] is not None for key in keys)
     level = LEVEL / max(number, 1)
-    unsound = [one.name for one in results if one not in sound]
     return CalibratedLot(
         title=device.name,
         units=tuple(units),
@@ -135,12 +142,12 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
             *input_files((device,)),
             *(
                 InputFile(role=f"result {k}", name=one.name, sha256=one.sha256)
-                for k, one in enumerate(results, start=1)
+                for k, one in enumerate(kept, start=1)
             ),
         ),
         level=level,
         parameters=tuple(_spread(key, sound, known[key], level) for key in keys),
-        warnings=tuple(sentence("calibrations.unsound", name=x) for x in unsound),
+        warnings=(*said_of(kept), *twice),
     )
 
 
@@ -185,6 +192,8 @@ def _spread(
     unit = named.pop()
     values = np.array([one.values[k] for one, k in pairs])
     own = float(np.mean([one.covariance[k, k] for one, k in pairs]))
+    is_told = bool(np.isfinite(own))
+    own = own if is_told else 0.0
     n = len(values)
     square = float(values.var(ddof=1))
     # Quantiles of (n - 1) s^2/u^2; what values are not known to is no spread.
@@ -196,8 +205,12 @@ def _spread(
     p = None
     if printed is not None and "counts" not in unit:
         told = printed / size_of(unit)
-        p = float(chdtrc(n - 1, (n - 1) * square / (told**2 + own)))
-    standing = NOT_PRINTED if p is None else WORSE if p < level else WITHIN
+        if is_told:
+            p = float(chdtrc(n - 1, (n - 1) * square / (told**2 + own)))
+    if p is None:
+        standing = NOT_PRINTED if told is None else NOT_TOLD
+    else:
+        standing = WORSE if p < level else WITHIN
     return LotSpread(
         sensor=sensor,
         parameter=parameter,

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from hashlib import sha256
-from math import erfc, hypot, sqrt
+from math import erfc, hypot, inf, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,19 +22,30 @@ from budget.calibration.mistakes import (
     inputs_of,
     mistakes_of,
 )
+from budget.calibration.problem import BIAS_UNITS
 from budget.calibration.schemes import as_recorded, calibrates, scheme_of, windows_of
 from budget.documents import Documented, written
-from budget.errors import CallError
+from budget.errors import CallError, Issue, SpecError, UnitError
 from budget.inputs.files import find
 from budget.inputs.reader import refuse
 from budget.inputs.records import Sensor
 from budget.journal import note_read
 from budget.model.source import SENSORS
-from budget.names import ANGLES, AXES, PARAMETERS
+from budget.names import (
+    ANGLES,
+    AXES,
+    BETWEEN,
+    DERIVED,
+    IMU,
+    ORDERS,
+    OUTPUTS,
+    PARAMETERS,
+)
 from budget.recordings.calibrated import MistakeRow
+from budget.recordings.columns import COUNTS, LIKE
 from budget.results import InputFile
 from budget.sentences import sentence
-from budget.units import size_of
+from budget.units import kind_of, size_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -44,11 +55,20 @@ if TYPE_CHECKING:
     from budget.inputs.records import Procedure
     from budget.model.scheme import Scheme
 
-MOVED, WITHIN = "moved", "within"
+MOVED, WITHIN, NOT_TOLD = "moved", "within", "not told"
 LEVEL = 0.05  # probability that one of all is found to have moved, and none has
 EXPLAINED = 0.1  # of the squares of a change, that a mistake leaves at the most [1]
 COMMAND = "calibrate"
 MOST_BYTES = 64 * 1024 * 1024
+MOST, TINY = 1e100, 1e-9  # numbers of a result, in size; factors that are above 0
+ALIKE = 1e-4  # of numbers that may have been rounded, over u
+LONGEST = 40  # of what was found, in a message
+NO_RESULT = "is no result of a calibration, expected one of calibrate --json"
+UNITS = (
+    {"scale_factor": "ppm"}
+    | dict.fromkeys(("mounting_angle", *DERIVED, *BETWEEN), "arcsec")
+    | dict.fromkeys(ORDERS, "ug/g^2")
+)
 Key = tuple[str, str, str]
 
 
@@ -66,10 +86,14 @@ class CalibrationResult:
     keys : tuple of (str, str, str)
         Sensor, parameter and axis of each value.
     units : tuple of str
-    values, expanded : ndarray, shape (n,)
-        In these units.
+    values, expanded, degrees_of_freedom : ndarray, shape (n,)
+        In these units; nan where u is not known.
     covariance : ndarray, shape (n, n)
         Likewise.
+    is_bound : bool
+        Whether uncertainties are lower bounds.
+    recordings : frozenset of str
+        SHA-256 of the recordings of the run; empty where none is named.
     """
 
     name: str
@@ -83,7 +107,10 @@ class CalibrationResult:
     units: tuple[str, ...]
     values: Array
     expanded: Array
+    degrees_of_freedom: Array
     covariance: Array
+    is_bound: bool = False
+    recordings: frozenset[str] = frozenset()
 
 
 def is_result(name: File) -> bool:
@@ -104,58 +131,266 @@ def read_result(name: File) -> CalibrationResult:
     Raises
     ------
     SpecError
-        It cannot be read, or is none.
+        It cannot be read, is none, or says what no calibration does: with the key.
     """
     file = find(name, "device")
     try:
         note_read(file.path)
         size = file.path.stat().st_size
         data = file.path.read_bytes() if size <= MOST_BYTES else b""
-        return _result(file.path.name, data)
+        document = json.loads(data, object_pairs_hook=_once)
     except OSError as error:
         raise refuse(file.shown, f"cannot be read ({error.strerror})") from None
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
-        message = "is no result of a calibration, expected one of calibrate --json"
-        raise refuse(file.shown, message) from None
+    except (ValueError, RecursionError):
+        raise refuse(file.shown, NO_RESULT) from None
+    is_one = isinstance(document, dict) and document.get("command") == COMMAND
+    rows = document.get("outputs") if is_one else None
+    if not isinstance(rows, list) or not rows:
+        raise refuse(file.shown, NO_RESULT)
+    return _Said(file.shown, document).result(file.path.name, data)
 
 
-def _result(name: str, data: bytes) -> CalibrationResult:
-    """Return what a document says.
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit of this package."""
+    try:
+        return size_of(text) > 0.0
+    except UnitError:
+        return False
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return an object whose keys stand there once.
 
     Raises
     ------
-    ValueError, TypeError, KeyError, AttributeError, RecursionError
-        It is no such document.
+    ValueError
+        One stands there again.
     """
-    document = json.loads(data)
-    rows = document["outputs"]
-    n = len(rows)
-    covariance = np.array(document["covariance"], dtype=float).reshape(n, n)
-    values = np.array([float(one["value"]) for one in rows])
-    every = (values, covariance.ravel())
-    if document["command"] != COMMAND or not np.isfinite(np.concatenate(every)).all():
-        raise ValueError(name)
-    return CalibrationResult(
-        name=name,
-        sha256=sha256(data).hexdigest(),
-        title=str(document["title"]),
-        serial=str(document["serial"]),
-        date=str(document["date"]),
-        procedure=str(document.get("procedure", "")),
-        is_sound=document["is_sound"],
-        keys=tuple(
-            (str(x["sensor"]), str(x["parameter"]), str(x["axis"])) for x in rows
-        ),
-        units=tuple(str(one["unit"]) for one in rows),
-        values=values,
-        expanded=np.array(
-            [
-                float(one["coverage_factor"]) * float(one["standard_uncertainty"])
-                for one in rows
-            ]
-        ),
-        covariance=covariance,
-    )
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError
+    return found
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What a document says, each key held against what it may be."""
+
+    shown: str
+    document: dict[str, Any]
+
+    def refused(self, place: str, found: object, allowed: str) -> SpecError:
+        """Return the error of one key."""
+        said = "nothing" if found is None else json.dumps(found)
+        cut = said if len(said) <= LONGEST else f"{said[:LONGEST]}..."
+        message = f"found {cut}, expected {allowed}"
+        issue = Issue(file=self.shown, line=1, column=1, field=place, message=message)
+        return SpecError((issue,))
+
+    def text(self, place: str, found: object, *, least: int = 0) -> str:
+        """Return words of one line."""
+        is_text = isinstance(found, str) and len(found) >= least
+        if not is_text or not str(found).isprintable():
+            raise self.refused(place, found, "a text of one line")
+        return str(found)
+
+    def number(
+        self, place: str, found: object, allowed: str, low: float = -MOST
+    ) -> float:
+        """Return a number from `low` on."""
+        is_number = isinstance(found, int | float) and not isinstance(found, bool)
+        if not is_number or not low <= found <= MOST:  # type: ignore[operator]
+            raise self.refused(place, found, f"{allowed}, up to {MOST:g}")
+        return float(found)  # type: ignore[arg-type]
+
+    def result(self, name: str, data: bytes) -> CalibrationResult:
+        """Return all of it."""
+        document, rows = self.document, self.document["outputs"]
+        read = [self.row(f"outputs.{k}", row) for k, row in enumerate(rows)]
+        keys = [key for key, *_ in read]
+        for k, key in enumerate(keys):
+            if key in keys[:k]:
+                raise self.refused(
+                    f"outputs.{k}", " ".join(key), "every parameter once"
+                )
+        is_sound = document.get("is_sound", "nothing")
+        if not (is_sound is None or isinstance(is_sound, bool)):
+            raise self.refused("is_sound", is_sound, "true, false or null")
+        covariance = self.covariance(len(rows))
+        u = np.sqrt(np.diag(covariance))
+        for k, row in enumerate(rows):
+            own = row.get("standard_uncertainty")
+            if own is not None or not np.isnan(u[k]):
+                stated = self.number(
+                    f"outputs.{k}.standard_uncertainty", own, "0 or more", 0.0
+                )
+                if not abs(stated - u[k]) <= ALIKE * u[k]:
+                    raise self.refused(
+                        f"outputs.{k}.standard_uncertainty",
+                        own,
+                        f"the root of its variance in covariance.{k}.{k}, {u[k]:g}",
+                    )
+        inputs = document.get("inputs", {})
+        recordings = {
+            str(one["sha256"])
+            for role, one in (inputs.items() if isinstance(inputs, dict) else ())
+            if role.startswith("recording")
+            and isinstance(one, dict)
+            and "sha256" in one
+        }
+        return CalibrationResult(
+            name=name,
+            sha256=sha256(data).hexdigest(),
+            **{x: self.text(x, document.get(x)) for x in ("title", "serial", "date")},
+            procedure=self.text("procedure", document.get("procedure", "")),
+            is_sound=is_sound,
+            is_bound=document.get("lower_bound") is True,
+            recordings=frozenset(recordings),
+            keys=tuple(keys),
+            units=tuple(unit for _, unit, *_ in read),
+            values=np.array([value for *_, value, _, _ in read]),
+            expanded=u * np.array([factor for *_, factor, _ in read]),
+            degrees_of_freedom=np.array([nu for *_, nu in read]),
+            covariance=covariance,
+        )
+
+    def row(self, place: str, row: Any) -> tuple[Key, str, float, float, float]:  # noqa: ANN401 - of a document
+        """Return parameter, unit, value, coverage factor and degrees of freedom."""
+        if not isinstance(row, dict):
+            raise self.refused(place, row, "an object of one parameter")
+        one, two, three = (
+            self.text(f"{place}." + x, row.get(x))
+            for x in ("sensor", "parameter", "axis")
+        )
+        owners = (*SENSORS, IMU)
+        if one not in owners:
+            raise self.refused(f"{place}.sensor", one, " or ".join(owners))
+        axes = OUTPUTS.get(two)
+        if axes is None:
+            raise self.refused(f"{place}.parameter", two, ", ".join(OUTPUTS))
+        if three not in axes:
+            raise self.refused(f"{place}.axis", three, ", ".join(axes))
+        unit = self.text(f"{place}.unit", row.get("unit"))
+        allowed = f"{COUNTS}/({LIKE[one]})" if one in LIKE else ""
+        like = BIAS_UNITS.get(one, ("arcsec", 1.0))[0] if two == "bias" else UNITS[two]
+        if not (
+            (two == "scale_factor" and unit == allowed)
+            or (two in ORDERS and is_unit(unit))
+            or (is_unit(unit) and kind_of(unit) == kind_of(like))
+        ):
+            raise self.refused(f"{place}.unit", unit, f"a unit such as {like}")
+        factor = row.get("coverage_factor")
+        nu = row.get("degrees_of_freedom")
+        of_nu = f"{place}.degrees_of_freedom"
+        return (
+            (one, two, three),
+            unit,
+            self.number(f"{place}.value", row.get("value"), "a number"),
+            self.number(f"{place}.coverage_factor", factor, "above 0", TINY),
+            inf if nu is None else self.number(of_nu, nu, "above 0, or null", TINY),
+        )
+
+    def covariance(self, n: int) -> Array:
+        """Return it, (n, n): symmetric and positive semidefinite; nan of null.
+
+        The least eigenvalue of the correlations is 0 but for rounding.
+        """
+        rows = self.document.get("covariance")
+        flat = rows if isinstance(rows, list) and len(rows) == n * n > 1 else None
+        if flat is not None:
+            rows = [flat[k * n : (k + 1) * n] for k in range(n)]
+        if not isinstance(rows, list) or len(rows) != n:
+            raise self.refused("covariance", rows, f"{n} rows of {n} numbers")
+        found = np.full((n, n), np.nan)
+        for i, row in enumerate(rows):
+            if not isinstance(row, list) or len(row) != n:
+                raise self.refused(f"covariance.{i}", row, f"{n} numbers")
+            for k, one in enumerate(row):
+                if one is not None:
+                    low = 0.0 if i == k else -MOST
+                    allowed = "a variance, 0 or more" if i == k else "a number"
+                    place = f"covariance.{i}.{k}"
+                    found[i, k] = self.number(place, one, allowed, low)
+        u = np.sqrt(np.diag(found))
+        size = np.where(u > 0.0, u, 1.0)
+        scaled = found / size[:, None] / size
+        off = np.abs(scaled - scaled.T) > ALIKE
+        if off.any():
+            i, k = np.argwhere(off)[0].tolist()
+            raise self.refused(
+                f"covariance.{i}.{k}", rows[i][k], f"that of covariance.{k}.{i}"
+            )
+        known = np.flatnonzero(np.isfinite(u))
+        own = scaled[np.ix_(known, known)]
+        if not np.isfinite(own).all() or (np.abs(own) > 1.0 + ALIKE).any():
+            i, k = np.argwhere(~(np.abs(own) <= 1.0 + ALIKE))[0].tolist()
+            i, k = int(known[i]), int(known[k])
+            raise self.refused(
+                f"covariance.{i}.{k}", rows[i][k], "no more than the product of both u"
+            )
+        least = float(np.linalg.eigvalsh(own).min()) if len(known) else 0.0
+        if least < -ALIKE * n:
+            raise self.refused(
+                "covariance",
+                least,
+                "no eigenvalue of the correlations below 0: it is of no errors",
+            )
+        return found
+
+
+def counted_once(
+    results: Sequence[CalibrationResult],
+) -> tuple[list[CalibrationResult], list[str]]:
+    """Leave out results of a run that another one is of; with what is said of them.
+
+    Of one run are equal files, results of one unit of the same recordings, and those
+    whose words and numbers are the same.
+
+    Raises
+    ------
+    CallError
+        Two of one run have different dates.
+    """
+    kept: list[CalibrationResult] = []
+    said: list[str] = []
+    for one in results:
+        same = next((x for x in kept if _is_of_one_run(x, one)), None)
+        if same is None:
+            kept.append(one)
+            continue
+        if same.date != one.date:
+            raise CallError(
+                f"{same.name} and {one.name} are of the same recording, and of "
+                f"{same.date!r} and {one.date!r}; give the one that is right"
+            )
+        said.append(
+            sentence("calibrations.given_twice", first=same.name, second=one.name)
+        )
+    return kept, said
+
+
+def _is_of_one_run(first: CalibrationResult, second: CalibrationResult) -> bool:
+    """Whether two results are of one run."""
+    if first.sha256 == second.sha256:
+        return True
+    if first.serial != second.serial:
+        return False
+    if first.recordings or second.recordings:
+        return first.recordings == second.recordings
+    return (first.date, first.keys, first.units) == (
+        second.date,
+        second.keys,
+        second.units,
+    ) and np.array_equal(first.values, second.values)
+
+
+def said_of(results: Sequence[CalibrationResult]) -> Iterator[str]:
+    """Yield what has to be said of results: not sound, or lower bounds."""
+    for one in results:
+        if one.is_sound is False:
+            yield sentence("calibrations.unsound", name=one.name)
+        if one.is_bound:
+            yield sentence("calibrations.bound", name=one.name)
 
 
 @written(
@@ -168,10 +403,11 @@ def _result(name: str, data: bytes) -> CalibrationResult:
     first [unit]: value
     second [unit]
     difference [unit]: second less first
-    standard_uncertainty [unit]: of the difference
-    z [1]: difference over it
-    p [1]: probability of one as large where nothing moved
-    standing: 'moved' or 'within'
+    standard_uncertainty or null [unit]: of the difference; null where it is not known
+    z or null [1]: difference over it; null where that is 0, or not known
+    p or null [1]: probability of one as large where nothing moved; null where no
+      uncertainty is known
+    standing: 'moved', 'within' or, without p, 'not told'
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -185,9 +421,9 @@ class ChangedParameter(Documented):
     first: float
     second: float
     difference: float
-    standard_uncertainty: float
-    z: float
-    p: float
+    standard_uncertainty: float | None
+    z: float | None
+    p: float | None
     standing: str
 
 
@@ -237,7 +473,7 @@ class CalibrationChange(Documented):
     def moved(self) -> tuple[ChangedParameter, ...]:
         """Parameters that moved, the farthest first."""
         found = [one for one in self.parameters if one.standing == MOVED]
-        return tuple(sorted(found, key=lambda one: -abs(one.z)))
+        return tuple(sorted(found, key=lambda one: -abs(one.z or inf)))
 
 
 def change_between(
@@ -270,11 +506,8 @@ def change_between(
     rows = [_changed(first, second, a, b, level) for a, b in common]
     looks = () if procedure is None else _looks(first, second, procedure)
     warnings = [
-        *(
-            sentence("calibrations.unsound", name=one.name)
-            for one in (first, second)
-            if one.is_sound is False
-        ),
+        *said_of((first, second)),
+        *counted_once((first, second))[1],
         *(
             [sentence("calibrations.other_unit")]
             if first.serial != second.serial
@@ -312,8 +545,10 @@ def _changed(
     sensor, parameter, axis = first.keys[a]
     difference = float(second.values[b] - first.values[a])
     u = hypot(sqrt(first.covariance[a, a]), sqrt(second.covariance[b, b]))
-    z = difference / u if u > 0.0 else 0.0
-    p = erfc(abs(z) / sqrt(2.0))
+    is_known = u >= 0.0
+    # Of exact values any difference is one.
+    p = erfc(abs(difference / u) / sqrt(2.0)) if u > 0.0 else float(difference == 0.0)
+    standing = MOVED if p < level else WITHIN
     return ChangedParameter(
         sensor=sensor,
         parameter=parameter,
@@ -322,10 +557,10 @@ def _changed(
         first=float(first.values[a]),
         second=float(second.values[b]),
         difference=difference,
-        standard_uncertainty=u,
-        z=z,
-        p=p,
-        standing=MOVED if p < level else WITHIN,
+        standard_uncertainty=u if is_known else None,
+        z=difference / u if u > 0.0 else None,
+        p=p if is_known else None,
+        standing=standing if is_known else NOT_TOLD,
     )
 
 
@@ -343,6 +578,8 @@ def _looks(
         if len(both) < len(keys) or "counts" in first.units[first.keys.index(both[0])]:
             continue
         change, covariance = _of_triad(first, second, both)
+        if not _is_told(covariance):
+            continue
         own = [k for k, one in enumerate(windows) if one.use in {kind, "both"}]
         scheme = scheme_of(kind, as_recorded(procedure, windows), Sensor.bare(kind))
         found = [
@@ -387,11 +624,20 @@ def _of_triad(
     return change, np.asarray(C * np.outer(sizes, sizes))
 
 
+def _is_told(covariance: Array) -> bool:
+    """Whether every change of a triad is known to something above 0."""
+    u = np.sqrt(np.diag(covariance))
+    if not (u > 0.0).all() or not np.isfinite(u).all():
+        return False
+    scaled = covariance / u[:, None] / u
+    return bool(np.linalg.eigvalsh(scaled)[0] > TINY)
+
+
 def _square(change: Array, covariance: Array) -> float:
     """Return d' C^-1 d."""
     u = np.sqrt(np.diag(covariance))
     scaled = change / u
-    return float(scaled @ np.linalg.solve(covariance / np.outer(u, u), scaled))
+    return float(scaled @ np.linalg.solve(covariance / u[:, None] / u, scaled))
 
 
 def _made(scheme: Scheme, mistake: Any) -> Array | None:  # noqa: ANN401 - of mistakes

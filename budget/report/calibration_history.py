@@ -22,7 +22,10 @@ COMMAND = "budget history"
 
 def history_answer(found: CalibrationHistory) -> tuple[Section, ...]:
     """Return what stands on a terminal: drifts, and when limits are reached."""
-    return sections("history", **_view(found))
+    return (
+        *sections("history", **_view(found)),
+        *sections("assumptions", found=found),
+    )
 
 
 def _view(found: CalibrationHistory) -> dict[str, object]:

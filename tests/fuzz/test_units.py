@@ -64,6 +64,10 @@ NAMES = {
     "mT": (1e-3, (0, 0, 0, 0, 1)),
     "uT": (1e-6, (0, 0, 0, 0, 1)),
     "nT": (1e-9, (0, 0, 0, 0, 1)),
+    "Pa": (1.0, (0, 0, 0, 0, 0, 1)),
+    "hPa": (1e2, (0, 0, 0, 0, 0, 1)),
+    "kPa": (1e3, (0, 0, 0, 0, 0, 1)),
+    "mbar": (1e2, (0, 0, 0, 0, 0, 1)),
 }
 # The dimension of each kind of quantity, in the order of LIKES.
 KINDS = (
@@ -73,6 +77,7 @@ KINDS = (
     *((1, 0, 0, -1), (0, -1, 1, -1), (0, 0, 0, -1)),
     (1, -1, 0, -1),
     *((0, -2, 1, -1), (), (1,), (0, -1, 1), (0, 1), (0, 0, 1), (0, -1)),
+    (0, 0, 0, 0, 0, 1),
     *((0, 0, 0, 0, 1), (1, -1, 0, 0, -1), (0, -2, 1, 0, -1)),
 )
 STANDARD = 9.80665  # [m/s^2]
@@ -94,12 +99,12 @@ class Unit:
 
     text: str
     size: float  # [SI]
-    powers: tuple[Fraction, ...]  # of angle, time, length, temperature, field
+    powers: tuple[Fraction, ...]  # of angle, time, length, temperature, field, pressure
 
 
 def powers_of(*written):
-    """Return the five powers of a dimension of which the last ones may be left out."""
-    return tuple(map(Fraction, (*written, *(0,) * (5 - len(written)))))
+    """Return the six powers of a dimension of which the last ones may be left out."""
+    return tuple(map(Fraction, (*written, *(0,) * (6 - len(written)))))
 
 
 def factor(name, shape):

@@ -19,6 +19,7 @@ from budget.inputs import load_device, load_procedure, load_recording
 from budget.model.response import COLUMN, ROW
 from budget.names import ANGLES, AXES
 from budget.recordings.calibrate import calibrate, unseen_mistakes
+from budget.recordings.columns import LIKE
 from budget.recordings.simulated_run import simulated_run
 from budget.report.correction import correction_code
 
@@ -153,7 +154,8 @@ def test_an_earlier_result_that_does_not_fit_is_refused(folder):
     assert (found.code, "after this run" in found.err) == (2, True)
     document = json.loads((folder / "a.json").read_text(encoding="utf-8"))
     for one in document["outputs"]:
-        one["unit"] = "counts/(deg/s)"
+        if one["parameter"] == "scale_factor":
+            one["unit"] = f"counts/({LIKE[one['sensor']]})"
     (folder / "b.json").write_text(json.dumps(document), encoding="utf-8")
     assert "with, or without, a gain" in call(*words("--as-found", "b.json")).err
     (folder / "c.json").write_text("{}", encoding="utf-8")

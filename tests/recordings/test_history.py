@@ -9,7 +9,7 @@ import pytest
 from command_line import call
 from numpy.testing import assert_allclose
 from places import TESTS
-from scipy.stats import binom, linregress
+from scipy.stats import binom, linregress, norm
 
 from budget.errors import CallError, SpecError
 from budget.recordings.history import drift_of, history
@@ -85,12 +85,13 @@ def test_two_calibrations_tell_no_drift():
 def test_a_limit_is_reached_when_drift_and_u_are_as_large(tmp_path):
     """By the end of the interval that is farther from 0; expected by the slope."""
     (tmp_path / "r.yaml").write_text(
-        "name: r\nlimits:\n  gyro:\n    bias: 2 deg/h\n", encoding="utf-8"
+        "name: r\nreference: as_tested\nlimits:\n  gyro:\n    bias: 2 deg/h\n",
+        encoding="utf-8",
     )
     found = history(FOLDER, requirement=tmp_path / "r.yaml")
     one = found.first_to_reach
     assert (one.parameter, one.axis) == ("bias", "x")
-    left = 2.0 - one.values[-1].expanded
+    left = 2.0 - norm.ppf(0.975) * one.values[-1].standard_uncertainty
     assert_allclose(one.earliest, left / one.drift_high, rtol=1e-9)
     assert_allclose(one.reaches, left / one.drift, rtol=1e-9)
     steady = next(x for x in found.parameters if x.axis == "y" and x.limit)
@@ -105,7 +106,7 @@ def test_ageing_beyond_the_data_sheet_is_said():
         "name": "ages little",
         "gyro": {
             "errors": {
-                "bias_repeatability": "1 deg/h",
+                "bias_repeatability": "0.01 deg/h",
                 "ageing": {"value": "0.1 deg/h", "horizon": "1 year"},
             }
         },
@@ -116,6 +117,111 @@ def test_ageing_beyond_the_data_sheet_is_said():
     assert_allclose(one.ageing, 0.1, rtol=0.01)
     sheet["gyro"]["errors"]["ageing"]["value"] = "0.5 deg/h"
     assert not any(x.is_older for x in history(FOLDER, device=sheet).parameters)
+
+
+SHEET = {
+    "format": "budget-device/1",
+    "name": "turns on anew",
+    "gyro": {"errors": {"bias_repeatability": "3 deg/h"}},
+}
+
+
+def test_a_value_of_the_unit_has_the_repeatability():
+    """As root of both squares; what the sheet does not print is said."""
+    alone, found = history(FOLDER), history(FOLDER, device=SHEET)
+    for one, other in zip(alone.parameters, found.parameters, strict=True):
+        has_own = (one.sensor, one.parameter) == ("gyro", "bias")
+        R = 3.0 if has_own else 0.0
+        assert one.repeatability is None
+        assert (other.repeatability is not None) == has_own
+        for a, b in zip(one.values, other.values, strict=True):
+            u = np.hypot(a.standard_uncertainty, R)
+            assert_allclose(b.standard_uncertainty, u, rtol=1e-12)
+            assert_allclose(b.expanded, 1.95996 * u, rtol=1e-5)
+    assert not found.drifting
+    assert any(
+        "the repeatability of the data sheet besides" in str(x)
+        for x in found.assumptions
+    )
+    assert any(
+        "says no repeatability of gyro scale factor" in str(x) for x in found.warnings
+    )
+    assert any("no device is given" in str(x) for x in alone.assumptions)
+
+
+def test_limits_of_the_next_turn_on_have_the_repeatability_twice(tmp_path):
+    """As `calibrate` they are refused without it; what cannot be judged is listed."""
+    (tmp_path / "r.yaml").write_text(
+        "name: r\nlimits:\n  gyro:\n    bias: 20 deg/h\n    scale_factor: 5 ppm\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(CallError, match="without the repeatability of the unit"):
+        history(FOLDER, requirement=tmp_path / "r.yaml")
+    found = history(FOLDER, requirement=tmp_path / "r.yaml", device=SHEET)
+    one = next(x for x in found.parameters if (x.parameter, x.axis) == ("bias", "x"))
+    u = history(FOLDER).parameters[9].values[-1].standard_uncertainty
+    left = 20.0 - norm.ppf(0.975) * np.sqrt(u**2 + 2.0 * 3.0**2)
+    far = max(abs(one.drift_low), abs(one.drift_high))
+    assert_allclose(one.earliest, left / far, rtol=1e-7)
+    assert any("limits that are not judged" in str(x) for x in found.warnings)
+    assert all(x.limit is None for x in found.parameters if x.parameter != "bias")
+    (tmp_path / "n.yaml").write_text(
+        "name: n\nreference: nominal\nlimits:\n  gyro:\n    bias: 20 deg/h\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(CallError, match="limits errors of reference nominal"):
+        history(FOLDER, requirement=tmp_path / "n.yaml", device=SHEET)
+
+
+@pytest.mark.parametrize("R", [0.0, 3.0])
+def test_turn_ons_of_values_not_alike_are_no_drift(R):
+    """Steady, u of 0.1 to 1, turn-ons of 3: drift at 5 %, as R is known or not."""
+    rng = np.random.default_rng(5)
+    t, u, runs = np.arange(6.0), np.array([1.0, 1.0, 0.2, 1.0, 1.0, 0.1]), 1000
+    y = rng.normal(size=(runs, 6)) * np.hypot(u, 3.0)
+    p = [drift_of(t, one, np.hypot(u, R)).p for one in y]
+    # By Birge's ratio alone 57 of 100 drift; Student's t is near, as weights are found.
+    assert sum(one < 0.05 for one in p) <= binom.ppf(1.0 - 1e-3, runs, 0.06)
+
+
+def test_exact_and_unknown_values_have_a_line():
+    """Of u 0 it is that of the scatter alone; of nan nothing is told."""
+    t, y = np.arange(4.0), np.array([0.0, 1.1, 1.9, 3.0])
+    found, other = drift_of(t, y, np.zeros(4)), linregress(t, y)
+    assert_allclose([found.slope, found.p], [other.slope, other.pvalue], rtol=1e-9)
+    assert found.scatter is None
+    assert drift_of(t, 2.0 * t, np.zeros(4)).p < 1e-9
+    still = drift_of(t, np.zeros(4), np.zeros(4))
+    assert (still.slope, still.p) == (0.0, 1.0)
+    none = drift_of(t, y, np.array([1.0, np.nan, 1.0, 1.0]))
+    assert (none.p, none.reach) == (None, None)
+
+
+def test_a_run_that_is_given_twice_is_one_calibration(tmp_path):
+    """A copy, and the same written again; one of two days is refused."""
+    folder = written(tmp_path)
+    text = (folder / "cal-1.json").read_text(encoding="utf-8")
+    (folder / "copy.json").write_text(text, encoding="utf-8")
+    (folder / "again.json").write_text(
+        json.dumps(json.loads(text), indent=2), encoding="utf-8"
+    )
+    found = history(folder)
+    assert len(found.parameters[0].values) == 4
+    assert_allclose(
+        [x.drift for x in found.parameters],
+        [x.drift for x in history(FOLDER).parameters],
+        rtol=1e-12,
+    )
+    said = " ".join(map(str, found.warnings))
+    assert "copy.json" in said
+    assert "again.json and cal-1.json are one run" in said
+    recorded = {"inputs": {"recording": {"name": "r.csv", "sha256": "0" * 64}}}
+    for name, date in (("a", "2026-01-01"), ("b", "2026-01-02")):
+        (folder / f"{name}.json").write_text(
+            json.dumps(json.loads(text) | recorded | {"date": date}), encoding="utf-8"
+        )
+    with pytest.raises(CallError, match=r"a.json and b.json are of the same recording"):
+        history(folder)
 
 
 def test_unsound_runs_are_left_out_and_said(tmp_path):

@@ -74,8 +74,8 @@ def _draw_in_time(rows: Sequence[HistoryRow], told: SimpleNamespace) -> Figure:
         for one in rows
         for at in one.values
         for x in (
-            at.value - one.values[0].value - at.expanded,
-            at.value - one.values[0].value + at.expanded,
+            at.value - one.values[0].value - (at.expanded or 0.0),
+            at.value - one.values[0].value + (at.expanded or 0.0),
         )
     ]
     span = (max(ends) - min(ends)) or 1.0
@@ -100,7 +100,7 @@ def _draw_in_time(rows: Sequence[HistoryRow], told: SimpleNamespace) -> Figure:
         look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.1}
         x = [at.time for at in one.values]
         y = [at.value - one.values[0].value for at in one.values]
-        reach = [at.expanded for at in one.values]
+        reach = [at.expanded or 0.0 for at in one.values]
         axes.plot(x, y, **look)
         axes.errorbar(
             x,
