@@ -208,7 +208,7 @@ def history(
     if len(serials) > 1:
         listed = ", ".join(f"{name}: {x or 'none'}" for x, name in serials.items())
         raise CallError(
-            f"the results have several serial numbers ({listed}); give those of one unit"
+            f"the results are of several units ({listed}); give those of one"
         )
     unit = None if device is None else load_device(device)
     sound = [one for one in found if one.is_sound is not False]

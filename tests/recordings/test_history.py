@@ -236,7 +236,7 @@ def test_unsound_runs_are_left_out_and_said(tmp_path):
     [
         ({"date": ""}, "has the date '', expected one as 2026-05-31"),
         ({"date": "May"}, "calibrate --date"),
-        ({"serial": "8"}, "are of several units (7, 8)"),
+        ({"serial": "8"}, "are of several units (cal-0.json: 8, cal-"),
         ({"command": "analyze"}, "is no result of a calibration"),
         ({"outputs": []}, "is no result of a calibration"),
     ],
