@@ -136,12 +136,6 @@ class RecordedConditions(Documented):
     pressure: float | None
     text: str
 
-    @property
-    def is_stated(self) -> bool:
-        """Whether anybody said anything of the environment."""
-        numbers = (self.temperature, self.humidity, self.pressure)
-        return bool(self.text) or any(one is not None for one in numbers)
-
 
 @written(
     "compensation_matrix",
