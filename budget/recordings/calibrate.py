@@ -77,7 +77,7 @@ if TYPE_CHECKING:
     from budget.problem import Output
     from budget.recordings.health import WindowHealth
     from budget.recordings.results import CalibrationResult, Key
-    from budget.recordings.run import RecordedWindows
+    from budget.recordings.window_table import RecordedWindows
 
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
 SHOWN = 0.95  # probability of being seen, below which a mistake may be missed [1]

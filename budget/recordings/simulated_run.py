@@ -32,8 +32,8 @@ from budget.model.sources import ENVIRONMENT, STATION, source_of
 from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Window
 from budget.names import AXES
 from budget.recordings.columns import LIKE
-from budget.recordings.run import DURATION, WINDOW
 from budget.recordings.simulated import NUMBER, STAMP, SimulatedReadings
+from budget.recordings.window_table import DURATION, WINDOW
 from budget.settings import LEAST_RATE, MOST_RATE, Asked, Inputs, asking
 from budget.units import parse_quantity, size_of
 
