@@ -135,7 +135,7 @@ class UnknownAzimuth(Disturbance):
     after the other at the same angles are one. Where azimuths are right among one
     another and their zero alone is not known, `is_one`, there is one a in all.
 
-    At 34.2394 deg 8.79192 deg/h; of six faces, each its stop, a third of that in a
+    At 34.2394 deg 8.792418 deg/h; of six faces, each its stop, a third of that in a
     bias: four of six windows have the axis level.
     """
 

@@ -79,7 +79,7 @@ class Rotation(Disturbance):
         """Return M du, weighed; None where nothing of it is left, or no attitude."""
         scheme = triad.scheme
         is_unknown = scheme.owner == GYRO and scheme.place.azimuth is None
-        if not scheme.knows_attitudes or (is_unknown and self == Rotation(BASE, 2)):
+        if not scheme.knows_attitudes or (is_unknown and self == AZIMUTH):
             return None
         parts = []
         for row, joint in enumerate(self.joints(given, scheme.schedule)):
@@ -95,6 +95,9 @@ class Rotation(Disturbance):
     def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with that joint askew."""
         return table.askew(self.joint, self.axis, value[0])
+
+
+AZIMUTH = Rotation(BASE, 2)
 
 
 @dataclass(frozen=True)
