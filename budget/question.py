@@ -65,10 +65,9 @@ from budget.missing.expected import (
 from budget.model.estimators import estimator_of
 from budget.model.sources import (
     ACCELEROMETER,
-    ENVIRONMENT,
     GYRO,
     SENSORS,
-    STATION,
+    SHARED,
     lines_of,
     source_of,
 )
@@ -109,7 +108,6 @@ if TYPE_CHECKING:
     from budget.problem import Output, Problem
     from budget.results import Budget
 
-SHARED = (STATION, ENVIRONMENT)  # what all triads share
 DEFAULT_COVERAGE = 0.95  # [1]
 DEFAULT_REFERENCE = "nominal"
 SAME_TIME = 1e-9  # relative; of two times that are one [1]
@@ -1098,7 +1096,7 @@ def given_lines(
         (one.kind, (*one.lines, *(initial_lines(one, procedure) if every else ())))
         for one in sensors
     ]
-    owned += [(STATION, procedure.station), (ENVIRONMENT, procedure.environment)]
+    owned += procedure.shared.items()
     return {
         Name(line.name, owner=owner): line for owner, lines in owned for line in lines
     } | lines_of_mission(mission)

@@ -30,6 +30,7 @@ from budget.model.response import STATISTICS, Truth
 from budget.model.rotation import RotationScheme
 from budget.model.source import (
     SENSORS,
+    SHARED,
     TURN_ON,
     Coefficient,
     Disturbance,
@@ -41,7 +42,7 @@ from budget.model.source import (
     Triad,
     TurnOnChange,
 )
-from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources import source_of
 from budget.model.sources.outside import watched
 from budget.model.sources.temperature import TemperatureChange
 from budget.names import IMU, ORDERS, Name, every_output
@@ -170,7 +171,6 @@ def _structure(
     every: bool = False,
 ) -> _Structure:
     """Return what is asked of a device; see `calibration_problem`."""
-    shared = {STATION: procedure.station, ENVIRONMENT: procedure.environment}
     there = with_accelerometers(sensors, procedure)
     rows = [
         *(
@@ -181,7 +181,11 @@ def _structure(
                 *(initial_lines(sensor, procedure) if every else ()),
             )
         ),
-        *(_Row.of(owner, line) for owner, lines in shared.items() for line in lines),
+        *(
+            _Row.of(owner, line)
+            for owner, lines in procedure.shared.items()
+            for line in lines
+        ),
     ]
     schemes = schemes_of(there, procedure, every=every)
     # What a line of another package takes of the others nobody knows.
@@ -358,7 +362,7 @@ class _Row:
 
     def acts_on(self, kind: str) -> bool:
         """Whether it can reach a triad: its own, or all from outside the sensors."""
-        return self.owner in {kind, STATION, ENVIRONMENT}
+        return self.owner in {kind, *SHARED}
 
     def act_on(self, triad: Triad, effect: Disturbance) -> Act | None:
         """Return what it does to a triad under test; None: nothing."""

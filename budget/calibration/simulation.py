@@ -37,7 +37,7 @@ from budget.model.source import (
     TableState,
     TurnOnChange,
 )
-from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources import source_of
 from budget.model.windows import OUTER
 from budget.names import Name
 
@@ -141,8 +141,7 @@ def simulate(
         return draw(sensor.kind, (*sensor.lines, *made))
 
     shared = [
-        *draw(STATION, procedure.station),
-        *draw(ENVIRONMENT, procedure.environment),
+        one for owner, lines in procedure.shared.items() for one in draw(owner, lines)
     ]
     errors: list[Array] = []
     shown = None

@@ -123,12 +123,13 @@ def complete_line(incomplete: str) -> list[str]:
 
 def complete_source(incomplete: str) -> list[str]:
     """Complete the name of an error source, of sensors, station or environment."""
-    from budget.model.sources import ENVIRONMENT, SENSORS, STATION, lines_of
+    from budget.model.source import OWNERS
+    from budget.model.sources import lines_of
     from budget.names import Name
 
     names = (
         str(Name(one.name, owner=owner))
-        for owner in (*SENSORS, STATION, ENVIRONMENT)
+        for owner in OWNERS
         for one in lines_of(owner)
         if one.may_vary
     )

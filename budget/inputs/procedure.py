@@ -52,6 +52,7 @@ from budget.inputs.windows import WindowItem, lay_out
 from budget.language import note
 from budget.model.estimators import ESTIMATORS, PLAIN, Estimator, estimator_of
 from budget.model.sources import ENVIRONMENT, SENSORS, STATION
+from budget.model.sources.place import UNKNOWN, ZERO_UNKNOWN
 from budget.names import (
     HIGHER,
     ORDERS,
@@ -77,6 +78,7 @@ NO_PAPER = (
     "height",
     "flip_axis",
     "moves",
+    "azimuth",
 )  # keys it has none of
 HEIGHT_0 = note("height: not given, 0 m assumed")  # where gravity is the normal one
 # Of one triad beside `weighted`, whose work grows with their cube: 1,000 take 5 s.
@@ -262,6 +264,12 @@ class ProcedureFile(Keyed):
         "height": KeyRow(
             measured("m", Sign.ANY, bare=True),
             "above the ellipsoid, for normal gravity; unset: 0 m",
+        ),
+        "azimuth": KeyRow(
+            one_of(UNKNOWN, ZERO_UNKNOWN),
+            "unknown: nobody knows the heading, a new one at each stop, as by hand; "
+            "zero_unknown: azimuths are right among one another, their zero is not "
+            "known; unset: from north",
         ),
         "sample_rate": KeyRow(
             measured("Hz", Sign.POSITIVE, bare=True),
@@ -519,6 +527,7 @@ def read_procedure(document: YamlFile, station: YamlFile | None = None) -> Proce
         sample_rate=model.sample_rate.value,
         formulas=model.formulas if is_paper else model.chosen_estimator,
         windows=model.laid_out,
+        azimuth=model.azimuth or "",
         held=model.held,
         orders=() if model.estimate is None else model.estimate.orders,
         gyro=GyroProcedure(

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import sqrt
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
+from budget.distributions import ARCSINE
 from budget.documents import Shown, written
 from budget.errors import CallError
 from budget.model.place import Place
 from budget.model.source import Given
-from budget.model.sources import lines_of
+from budget.model.sources import ENVIRONMENT, PROCEDURE, STATION, lines_of
 from budget.model.windows import Timing
 from budget.names import ANGLES, AXES, Name
-from budget.units import STANDARD_GRAVITY
+from budget.units import DEG_PER_HOUR, STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -366,6 +368,7 @@ class Procedure:
     is_gravity_normal: bool = False
     timing: Timing = field(default_factory=Timing)
     station_origin: Origin | None = None  # where the station has a file of its own
+    azimuth: str = ""  # UNKNOWN, ZERO_UNKNOWN; '' where azimuths are from north
 
     @property
     def place(self) -> Place:
@@ -375,7 +378,29 @@ class Procedure:
             gravity=self.gravity,
             height=self.height,
             is_normal=self.is_gravity_normal,
+            azimuth=None if self.azimuth else 0.0,
         )
+
+    @cached_property
+    def shared(self) -> Mapping[str, tuple[ErrorLine, ...]]:
+        """Lines that all triads share, by owner: of the procedure what it leaves open.
+
+        Each part of the horizontal earth rate has w cos(latitude)/sqrt(2), arcsine.
+        """
+        own: tuple[ErrorLine, ...] = ()
+        if self.azimuth:
+            u = self.place.horizontal / sqrt(2.0)
+            line = ErrorLine(
+                name="azimuth",
+                u=np.array([u]),
+                distributions=(ARCSINE,),
+                form=self.azimuth,
+                printed=f"{u / DEG_PER_HOUR:.4g} deg/h",
+                unit="deg/h",
+                si_per_unit=DEG_PER_HOUR,
+            )
+            own = (line,)
+        return {STATION: self.station, ENVIRONMENT: self.environment, PROCEDURE: own}
 
 
 _ROUNDING = 1e-9  # of a time, relative

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +31,8 @@ class Place:
         Whether gravity is the normal one of latitude and height, and not measured.
     earth_rate : float
         [rad/s].
+    azimuth : float or None
+        Of the zero of azimuths, from north to west [rad]; None: nobody knows it.
     """
 
     latitude: float
@@ -37,12 +40,33 @@ class Place:
     height: float = 0.0
     is_normal: bool = False
     earth_rate: float = ROTATION_RATE
+    azimuth: float | None = 0.0
+
+    @property
+    def horizontal(self) -> float:
+        """Earth rate about north [rad/s]."""
+        return float(self.earth_rate * np.cos(self.latitude))
 
     @cached_property
     def earth(self) -> Array:
-        """Earth rate, east-north-up, shape (3,) [rad/s]."""
-        L = self.latitude
-        return self.earth_rate * np.array([0.0, np.cos(L), np.sin(L)])
+        """Earth rate that is known, shape (3,) [rad/s].
+
+        East-north-up of a table whose zero is to the north; else by its zero. Of an
+        azimuth that nobody knows the vertical part alone.
+        """
+        vertical = self.earth_rate * np.sin(self.latitude)
+        h = 0.0 if self.azimuth is None else self.horizontal
+        a = self.azimuth or 0.0
+        return np.array([h * np.sin(a), h * np.cos(a), vertical])
+
+    @property
+    def leaning(self) -> Array:
+        """Earth rate that tilts act by, shape (3,) [rad/s].
+
+        Of an azimuth that nobody knows that at 45 deg, whose parts are the rms of all.
+        """
+        known = self.azimuth is not None
+        return self.earth if known else replace(self, azimuth=pi / 4.0).earth
 
     @cached_property
     def force(self) -> Array:

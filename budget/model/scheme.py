@@ -123,6 +123,11 @@ class Scheme:
         """What the place puts in, east-north-up, shape (3,) [unit of the input]."""
         return self.earth if self.owner == "gyro" else self.gravity
 
+    @property
+    def leaning(self) -> Array:
+        """The same, as tilts act by it, shape (3,) [unit of the input]."""
+        return self.place.leaning if self.owner == "gyro" else self.gravity
+
     @cached_property
     def turn(self) -> Array:
         """What the table's turns put in, shape (n, 3); an accelerometer's is 0."""

@@ -37,9 +37,10 @@ if TYPE_CHECKING:
     from budget.model.windows import Schedule, Timing, Window
 
 GYRO, ACCELEROMETER = "gyro", "accelerometer"
-STATION, ENVIRONMENT = "station", "environment"
+STATION, ENVIRONMENT, PROCEDURE = "station", "environment", "procedure"
 SENSORS = (GYRO, ACCELEROMETER)
-OWNERS = (*SENSORS, STATION, ENVIRONMENT)
+SHARED = (STATION, ENVIRONMENT, PROCEDURE)  # what all triads share
+OWNERS = (*SENSORS, *SHARED)
 
 # How long a source keeps its value.
 DEVICE, TURN_ON, TEST, IN_RUN = "device", "turn-on", "test", "in run"

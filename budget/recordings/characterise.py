@@ -179,8 +179,8 @@ def _rest(attitude: str, inputs: Inputs) -> Rest:
     axis = AXES.index(words[0])
     up = np.zeros(len(AXES))
     up[axis] = 1.0 if words[1] == "up" else -1.0
-    _, north, vertical = place.earth
-    level = np.where(up == 0.0, north / sqrt(2.0), 0.0)
+    vertical = place.earth[2]
+    level = np.where(up == 0.0, place.horizontal / sqrt(2.0), 0.0)
     return Rest(
         inputs={GYRO: vertical * up, ACCELEROMETER: place.gravity * up},
         unknown={GYRO: level, ACCELEROMETER: np.zeros(len(AXES))},

@@ -28,7 +28,7 @@ from budget.errors import CallError, UnitError
 from budget.inputs import load_device
 from budget.inputs.records import UNCALIBRATED
 from budget.model.source import Disturbance, Samples, TableState
-from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources import source_of
 from budget.model.windows import INNER, MIDDLE, OUTER, Schedule, Window
 from budget.names import AXES
 from budget.recordings.columns import LIKE
@@ -184,13 +184,9 @@ class SimulatedRun(SimulatedReadings):
     def _shared(self, scheme: Scheme) -> list[DrawnSource]:
         """Draw what comes from table and environment, alike for all triads."""
         stream = partial(stream_of, self.seed, 0)
-        owners = (
-            (STATION, self.procedure.station),
-            (ENVIRONMENT, self.procedure.environment),
-        )
         return [
             draw_source(owner, line, scheme, self.rate, stream)
-            for owner, lines in owners
+            for owner, lines in self.procedure.shared.items()
             for line in lines
             if line.u.any()
         ]

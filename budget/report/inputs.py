@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from budget.calibration.mission import on_the_way
 from budget.inputs.station import IDEAL
 from budget.inputs.use import LINES
-from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources import source_of
 from budget.names import Name
 from budget.report.blocks import Abreast
 from budget.report.figures.allan import Allan, allan_plot
@@ -93,10 +93,7 @@ def inputs_section(
         name=procedure.name,
         shared=[
             (owner, _rows(owner, [*filter(_counts, lines)], procedure.assumptions))
-            for owner, lines in (
-                (STATION, procedure.station),
-                (ENVIRONMENT, procedure.environment),
-            )
+            for owner, lines in procedure.shared.items()
         ],
     )
     return section

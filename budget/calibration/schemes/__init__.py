@@ -25,6 +25,7 @@ from budget.model.rotation import RotationScheme
 from budget.model.scheme import Held, Scheme
 from budget.model.source import ACCELEROMETER, GYRO
 from budget.model.sources import source_of
+from budget.model.sources.rotation import AZIMUTH
 from budget.model.windows import Schedule
 from budget.names import ORDERS, PARAMETERS, Name, every_output, parameters_of
 from budget.sentences import described, sentence
@@ -280,6 +281,8 @@ def removal(name: Name, procedure: Procedure) -> str:
     effect = source_of(name.owner, name.quantity).effect
     knows_attitudes = estimator_of(procedure.formulas).knows_attitudes
     place = effect.removed if knows_attitudes else effect.removed_by_norm
+    if procedure.azimuth and effect == AZIMUTH:
+        place = "sources.no_azimuth"
     return described(place)
 
 

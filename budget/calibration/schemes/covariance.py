@@ -20,7 +20,7 @@ import numpy as np
 from budget.model.response import Truth, statistics_of
 from budget.model.scheme import Scheme
 from budget.model.source import Disturbance, Noise, Offset, Statistics, Triad
-from budget.model.sources import ENVIRONMENT, STATION, source_of
+from budget.model.sources import source_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -139,8 +139,7 @@ def _disturbances(
     )
     owners = (
         (sensor.kind, sensor.lines),
-        (STATION, procedure.station),
-        (ENVIRONMENT, procedure.environment),
+        *procedure.shared.items(),
     )
     for owner, lines in owners:
         for line in lines:

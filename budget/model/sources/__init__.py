@@ -16,7 +16,9 @@ from budget.model.source import (
     ENVIRONMENT,
     GYRO,
     IN_RUN,
+    PROCEDURE,
     SENSORS,
+    SHARED,
     STATION,
     TEST,
     TURN_ON,
@@ -40,7 +42,14 @@ from budget.model.sources.later import (
     Vibration,
     VibrationRectification,
 )
-from budget.model.sources.place import EarthRate, Height, Latitude, LocalGravity
+from budget.model.sources.place import (
+    ZERO_UNKNOWN,
+    EarthRate,
+    Height,
+    Latitude,
+    LocalGravity,
+    UnknownAzimuth,
+)
 from budget.model.sources.power import Power
 from budget.model.sources.processes import (
     LOW_CUT,
@@ -89,8 +98,10 @@ __all__ = [
     "GYRO",
     "IN_RUN",
     "LOW_CUT",
+    "PROCEDURE",
     "SAMPLE_NOISE",
     "SENSORS",
+    "SHARED",
     "SOURCES",
     "STATION",
     "TEST",
@@ -564,6 +575,15 @@ SOURCES = (
             ),
             ("clock", "ppm", "time that the clock counts too much", Clock()),
         )
+    ),
+    Source(
+        name="azimuth",
+        units={PROCEDURE: "deg/h"},
+        model="horizontal earth rate at an azimuth that nobody knows",
+        effect=UnknownAzimuth(),
+        stays=TEST,
+        axes=ONE_VALUE,
+        forms={ZERO_UNKNOWN: UnknownAzimuth(is_one=True)},
     ),
 )
 

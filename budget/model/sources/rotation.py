@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
-from budget.model.source import Disturbance, Given, TableState, Triad
+from budget.model.source import GYRO, Disturbance, Given, TableState, Triad
 from budget.model.windows import CHAIN
 
 if TYPE_CHECKING:
@@ -78,7 +78,8 @@ class Rotation(Disturbance):
     def bind(self, given: Given, triad: Triad) -> Act | None:
         """Return M du, weighed; None where nothing of it is left, or no attitude."""
         scheme = triad.scheme
-        if not scheme.knows_attitudes:
+        is_unknown = scheme.owner == GYRO and scheme.place.azimuth is None
+        if not scheme.knows_attitudes or (is_unknown and self == AZIMUTH):
             return None
         parts = []
         for row, joint in enumerate(self.joints(given, scheme.schedule)):
@@ -94,6 +95,9 @@ class Rotation(Disturbance):
     def table(self, value: Array, table: TableState) -> TableState:
         """Return the table with that joint askew."""
         return table.askew(self.joint, self.axis, value[0])
+
+
+AZIMUTH = Rotation(BASE, 2)
 
 
 @dataclass(frozen=True)
@@ -205,7 +209,7 @@ def _weighed(scheme: Scheme, joint: Joint) -> tuple[Array, Array]:
     sine, versine = np.zeros((2, len(windows), 3))
     for place in joint.places:
         window = windows[place]
-        v = window.setting.between(BASE, joint.joint) @ scheme.ambient
+        v = window.setting.between(BASE, joint.joint) @ scheme.leaning
         if scheme.knows_turns and scheme.turn[place].any():
             rate = window.setting.angle / window.length
             v = v + window.setting.turn_axis_after(joint.joint) * rate

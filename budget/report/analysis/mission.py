@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from budget.inputs.records import UNCALIBRATED
-from budget.model.sources import DEVICE, TURN_ON, source_of
+from budget.model.sources import DEVICE, SHARED, TURN_ON, source_of
 from budget.names import MISSION
-from budget.question import SHARED, question_of
+from budget.question import question_of
 from budget.report.analysis.groups import (
     brief_sections,
     lacking,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from budget.inputs.use import LINES
 from budget.known import Known
-from budget.model.sources import SENSORS, source_of
-from budget.question import SHARED, given_lines
+from budget.model.sources import SENSORS, SHARED, source_of
+from budget.question import given_lines
 from budget.report.pages import sections
 from budget.report.tables import (
     NO_SHARE,

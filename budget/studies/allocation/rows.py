@@ -11,7 +11,7 @@ import numpy as np
 from budget.known import Known
 from budget.methods.allocation import SPARED, TOUCHES, headroom_of
 from budget.methods.scaling import NEGLIGIBLE
-from budget.model.sources import ENVIRONMENT, STATION
+from budget.model.sources import SHARED
 from budget.names import Name
 from budget.results import INTERACTION, TINY
 from budget.studies.allocation.cases import RETUNINGS
@@ -131,7 +131,7 @@ def shared_allotments(cases: Sequence[SensorCase]) -> tuple[SourceAllotment, ...
     """
     found: dict[Name, list[SourceAllotment]] = {}
     for case in cases:
-        for row in _allotments(case, {}, owners={STATION, ENVIRONMENT}):
+        for row in _allotments(case, {}, owners={*SHARED}):
             found.setdefault(row.source, []).append(row)
     merged = []
     for rows in found.values():
