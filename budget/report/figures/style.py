@@ -55,7 +55,7 @@ HATCH = "////"
 REST = "#8e949c"  # of what has no look of its own
 OTHER = Name("other")
 # Those that have no look of their own: of station and environment, and left over.
-LEFT_OVER = ("....", "\\\\\\\\", "----", "++++")
+LEFT_OVER = ("....", "\\\\\\\\", "----", "++++", "||||")
 Look = tuple[str, str, str]  # colour, hatch, colour of text: none on a hatch
 
 
