@@ -391,7 +391,7 @@ class Procedure:
         if self.azimuth:
             u = self.place.horizontal / sqrt(2.0)
             line = ErrorLine(
-                name="azimuth",
+                name="heading",
                 u=np.array([u]),
                 distributions=(ARCSINE,),
                 form=self.azimuth,

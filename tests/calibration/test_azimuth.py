@@ -55,7 +55,7 @@ def written(tmp_path, monkeypatch):
     return write
 
 
-def of_law(path, only="procedure.azimuth"):
+def of_law(path, only="procedure.heading"):
     """Return u of the gyro's outputs by one source, by name [SI]."""
     how, unit = load_procedure(path), load_device("good.yaml")
     problem = calibration_problem(
@@ -157,7 +157,7 @@ def test_what_a_tilt_makes_of_it(written):
     assert_allclose(u, radians(1.0) * LEVEL / sqrt(2.0), rtol=1e-3)
     assert of_law(path, "station.azimuth")["gyro.bias.z"] == 0.0
     how, unit = load_procedure(path), load_device("good.yaml")
-    only = frozenset({"procedure.azimuth", "station.levelling.east"})
+    only = frozenset({"procedure.heading", "station.levelling.east"})
     runs = [simulate(unit.sensors, how, run=k, only=only) for k in range(400)]
     low, high = chi2.ppf([5e-5, 1.0 - 5e-5], 200) / 200  # products have heavier tails
     assert low < np.mean(np.square(runs)) / u**2 < high
@@ -180,7 +180,7 @@ def test_it_is_a_row_of_the_budget(written):
     found = analyze("good.yaml", procedure=path, reference="as_tested", method="gum")
     row = next(x for x in found.outputs if x.output.name == "gyro.bias.x")
     first = row.ranked[0]
-    assert first.source == "procedure.azimuth"
+    assert first.source == "procedure.heading"
     assert first.share > 0.99
 
 

@@ -577,9 +577,9 @@ SOURCES = (
         )
     ),
     Source(
-        name="azimuth",
+        name="heading",
         units={PROCEDURE: "deg/h"},
-        model="horizontal earth rate at an azimuth that nobody knows",
+        model="horizontal earth rate at a heading that nobody knows",
         effect=UnknownAzimuth(),
         stays=TEST,
         axes=ONE_VALUE,

@@ -15,7 +15,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
-from budget.model.source import ACCELEROMETER, COLOURS
+from budget.model.source import ACCELEROMETER, COLOURS, PROCEDURE
 from budget.model.sources import every_source
 from budget.names import Name
 from budget.report.blocks import Picture
@@ -55,7 +55,7 @@ HATCH = "////"
 REST = "#8e949c"  # of what has no look of its own
 OTHER = Name("other")
 # Those that have no look of their own: of station and environment, and left over.
-LEFT_OVER = ("....", "\\\\\\\\", "----", "++++")
+LEFT_OVER = ("....", "\\\\\\\\", "----", "++++", "||||")
 Look = tuple[str, str, str]  # colour, hatch, colour of text: none on a hatch
 
 
@@ -69,7 +69,9 @@ def looks() -> Mapping[str, Look]:
     every = [one for one in every_source() if one.may_vary]
     own = [one for one in every if not one.origin]
     left = [one for one in own if one.shared or not (one.colour and one.varies)]
-    left.sort(key=lambda one: (not one.shared, not one.varies))
+    left.sort(
+        key=lambda one: (one.like(PROCEDURE) != "", not one.shared, not one.varies)
+    )
     spare = (_look(ink, hatch) for hatch in LEFT_OVER for ink in COLOURS)
     found = dict(zip((one.name for one in left), spare, strict=False))
     for one in own:

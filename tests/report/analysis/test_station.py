@@ -12,7 +12,7 @@ from reading import assert_says, find, lines, rows, say
 from budget import load_device, load_procedure, load_requirement
 from budget.inputs import load_station
 from budget.inputs.station import at_station
-from budget.question import SHARED, question_of
+from budget.question import question_of
 from budget.report.analysis.station import station_section
 from budget.report.blocks import Paragraph, Table
 from budget.report.figures.sources import coupling_chart
@@ -210,7 +210,11 @@ def test_temperature_has_its_rows_and_a_vibration_is_known(shaky):
     section = section_of(analyze(device, procedure=procedure, validate=False))
     table = table_of(section, "station-shares")
     assert section.title == "Test station and environment"
-    assert [group.title for group in table.groups] == [*SHARED, "together"]
+    assert [group.title for group in table.groups] == [
+        "station",
+        "environment",
+        "together",
+    ]
     ramp, vibration = table.groups[1].rows
     assert ramp[2].text.startswith("gyro bias")
     assert (vibration[1].text, vibration[1].note) == ("1 g", "known value")
@@ -260,7 +264,11 @@ def test_the_coupling_figure_has_a_head_for_every_owner(shaky):
     question = question_of(analyze(device, procedure=procedure, validate=False))
     table = coupling(question)
     chart = coupling_chart(table, "gyro")
-    assert [group.title for group in chart.groups][:3] == ["gyro", *SHARED]
+    assert [group.title for group in chart.groups][:3] == [
+        "gyro",
+        "station",
+        "environment",
+    ]
     assert [row.label for row in chart.groups[1].rows] == ["turn angle", "azimuth"]
     assert_says(chart.alt, "station: turn angle", "environment: temperature ramp")
     bare = question_of(analyze(device, validate=False))
