@@ -45,9 +45,9 @@ from budget.recordings.health import (
     spikes,
 )
 from budget.recordings.log import (
-    LIKELY,
     SAME_RATE,
     check_stamps,
+    likely_unit,
     open_table,
     stated_end,
 )
@@ -602,6 +602,7 @@ class _Track:
     rate: float
     sha256: tuple[tuple[str, str], ...]
     range_end: Mapping[str, float]  # that is stated [SI]
+    likely_unit: str = ""  # of stamps that come seldom
     number: int = 0
     offset: float = 0.0  # of the clock of the run to its own [s]
 
@@ -658,7 +659,7 @@ def _read_track(recording: Recording) -> _Track:
     values: dict[str, tuple[Array, Array]] = {}
     counts: dict[str, bool] = {}
     ends: dict[str, float] = {}
-    files, rates = [], []
+    files, rates, unit = [], [], ""
     for path, shown in recording.files:
         table = NumberTable(path, shown)
         opened = open_table(table, recording)
@@ -680,6 +681,8 @@ def _read_track(recording: Recording) -> _Track:
         files.append((path.name, table.sha256))
         times, rate = _times(every, opened.read, recording, shown)
         rates.append(rate)
+        if TIME in read and not recording.rate:
+            unit = likely_unit(read[TIME][1], 1.0 / rate)
         for kind in SENSORS:
             own = [read.get(f"{kind}_{axis}") for axis in AXES]
             if not any(own):
@@ -709,6 +712,7 @@ def _read_track(recording: Recording) -> _Track:
         rate=min(rates),
         sha256=tuple(files),
         range_end=ends,
+        likely_unit=unit,
     )
 
 
@@ -1236,13 +1240,13 @@ def _of_gaps(tracks: Sequence[_Track]) -> str:
 
 def _of_stamps(tracks: Sequence[_Track]) -> str:
     """Say that stamps may be in another unit, where they are far apart."""
-    slow = max(1.0 / one.rate for one in tracks)
-    if slow <= LIKELY[1]:
-        return ""
-    return (
-        f". Stamps come every {slow:.3g} s: if they are in ms, write 'time [ms]' in "
-        "the head or in --columns"
-    )
+    for one in tracks:
+        if unit := one.likely_unit:
+            return (
+                f". Stamps come every {1.0 / one.rate:.3g} s: if they are in {unit}, "
+                f"write 'time [{unit}]' in the head or in --columns"
+            )
+    return ""
 
 
 def _matched(
