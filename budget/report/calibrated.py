@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
+from budget.model.sources import ENVIRONMENT, STATION
 from budget.names import AXES, PARAMETERS, Name
 from budget.report.document import json_text
 from budget.report.figures.rows import (
@@ -170,6 +171,7 @@ class PrintedFigure:
     name: str
     printed: str
     meaning: str
+    definition: str
     shape: str
     nu: str
     source: str
@@ -184,6 +186,7 @@ def station_row(line: ErrorLine) -> PrintedFigure:
         name=line.name,
         printed=line.printed,
         meaning=line.meaning,
+        definition=", ".join(x for x in (line.definition, line.includes) if x),
         shape=", ".join(shapes),
         nu=", ".join(dict.fromkeys(nu)),
         source=line.source,
@@ -233,6 +236,8 @@ def _view(found: RecordedCalibration) -> dict[str, object]:
     return {
         "found": found,
         "outputs": {sensor: [*own.values()] for sensor, own in outputs.items()},
+        "conditions": [run_row(one) for one in found.environment],
+        "station_file": next((x.name for x in found.inputs if x.role == STATION), ""),
         "off": [_Off.of(one) for one in far[:MOST_SAID]] if is_told else [],
         "DASH": DASH,
     }
@@ -273,7 +278,6 @@ def calibrate_document(
         residuals=None if residuals is None else chart_picture(residuals),
         windows=windows,
         station=[station_row(one) for one in found.station],
-        conditions=[run_row(one) for one in found.environment],
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
@@ -287,7 +291,7 @@ def calibrate_document(
             ]
             for one in found.matrix
         },
-        assumed=sections("assumptions", found=found),
+        assumed=sections("assumptions", found=_said_once(found)),
         **_view(found),
     ).whole(
         "calibrate",
@@ -298,6 +302,17 @@ def calibrate_document(
         json=json_text(found.to_dict()),
         date=date,
     )
+
+
+def _said_once(found: RecordedCalibration) -> RecordedCalibration:
+    """Leave figures of the station, which stand under traceability, out of the rest."""
+    figures = tuple(
+        f"{Name(one.name, owner=owner)}: {one.printed}, "
+        for one in found.station
+        for owner in (STATION, ENVIRONMENT)
+    )
+    rest = [one for one in found.assumptions if not str(one).startswith(figures)]
+    return replace(found, assumptions=tuple(rest))
 
 
 def _listed(values: Array, form: str) -> str:
