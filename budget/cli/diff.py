@@ -72,7 +72,7 @@ def diff(
     from budget.inputs import load_device
     from budget.inputs.records import CHANGED
     from budget.recordings.lot import lot_of
-    from budget.recordings.results import is_result, read_result
+    from budget.recordings.results import is_result, read_results
     from budget.references.check import compare_sides, make_reference, side_of
     from budget.references.records import Stored
     from budget.report.calibrated import calibrated_lot_answer, change_answer
@@ -94,9 +94,7 @@ def diff(
         )
         return
     if all(map(is_result, others)):
-        lot = lot_of(
-            load_device(first, inputs.changes), [read_result(one) for one in others]
-        )
+        lot = lot_of(load_device(first, inputs.changes), read_results(others))
         hand_out(
             [
                 (out.json, lambda: json_text(lot.to_dict())),
@@ -162,12 +160,13 @@ def _change(first: str, others: Sequence[str], inputs: Inputs) -> CalibrationCha
         They are more than two.
     """
     from budget.errors import CallError
-    from budget.recordings.results import change_between, read_result
+    from budget.recordings.results import change_between, read_results
 
     if len(others) > 1:
         raise CallError(f"{len(others) + 1} calibrations are given, expected 2")
     how = None if inputs.procedure is None else inputs.calibrated()
-    return change_between(read_result(first), read_result(others[0]), how)
+    one, two = read_results((first, *others))
+    return change_between(one, two, how)
 
 
 def _reference(name: str) -> ReferenceBudget | None:

@@ -43,6 +43,7 @@ from budget.model.sources import (
     GYRO,
     LOW_CUT,
     SENSORS,
+    STATION,
     lines_of,
     source_of,
 )
@@ -699,11 +700,12 @@ def value_of(line: Source, sensor: str) -> ValueKind:
     title = f"{family.__name__.removesuffix('Value')} in {line.like(sensor)}"
     own = family.of_sensor.get(sensor, {})
     needed: Rows = {"value": KeyRow(size, is_needed=True)}
-    if line.axes == ONE_VALUE:
-        alone = table(family, {**own, **needed}, title)
-        return or_text(alone, size, family.besides)
     is_open = line.varies and sensor in SENSORS
-    few = FROM_FEW if is_open and not line.is_initial else {}
+    is_few = is_open or (line.varies and sensor == STATION)
+    few = FROM_FEW if is_few and not line.is_initial else {}
+    if line.axes == ONE_VALUE:
+        alone = table(family, {**own, **needed, **few}, title)
+        return or_text(alone, size, family.besides)
     of_axis = family.of_axis or family
     one_axis = or_text(table(of_axis, {**needed, **few}, f"{title}, one axis"), size)
     by_axis = rows_of(dict.fromkeys(line.axes, one_axis))

@@ -623,14 +623,21 @@ def _warnings(
             yield sentence("recordings.counts", sensor=sensor)
 
 
+def _of_stamps(name: str, log: Log) -> Iterator[str]:
+    """Yield what is said of the stamps of a file."""
+    if not log.has_stamps:
+        yield sentence("recordings.no_stamps", name=name)
+    if unit := log.likely_unit:
+        yield sentence("recordings.stamps", name=name, rate=log.rate, unit=unit)
+
+
 def _of_record(
     own: Sequence[Log], record: RecordHealth, *, is_new: bool
 ) -> Iterator[str]:
     """Yield what is said of one recording."""
     name = record.name
     for log in own:
-        if not log.has_stamps:
-            yield sentence("recordings.no_stamps", name=name)
+        yield from _of_stamps(name, log)
         if log.gaps:
             yield sentence(
                 "recordings.gaps",

@@ -31,7 +31,7 @@ from budget.model.sources import source_of
 from budget.model.sources.later import AGEING, growth
 from budget.names import PARAMETERS, Name
 from budget.recordings.calibrate import AS_TESTED
-from budget.recordings.results import LEVEL, counted_once, read_result, said_of
+from budget.recordings.results import LEVEL, counted_once, read_results, said_of
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
 from budget.settings import Asked, Inputs, asking
@@ -197,7 +197,7 @@ def history(
         They are fewer than two, of several units, or without dates, or limits are on
         errors that they do not know.
     """
-    read, twice = counted_once([read_result(one) for one in _files(results)])
+    read, twice = counted_once(read_results(_files(results)))
     found = sorted(read, key=_day)
     if len(found) < LEAST:
         raise CallError(

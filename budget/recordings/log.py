@@ -113,6 +113,8 @@ class Log:
         Heads of columns that are not read.
     has_stamps : bool
         Whether stamps or a counter say where samples are missing.
+    likely_unit : str
+        That stamps may be in, which come seldom where their head is right; else ''.
     """
 
     name: str
@@ -127,6 +129,7 @@ class Log:
     temperature: Array | None
     skipped: tuple[str, ...]
     has_stamps: bool
+    likely_unit: str = ""
 
     @property
     def duration(self) -> float:
@@ -268,7 +271,7 @@ def _with_gain(column: RecordedColumn, recording: Recording) -> RecordedColumn:
 
 
 def stated_end(recording: Recording, column: RecordedColumn) -> float | None:
-    """Return the end of the range that is stated [SI]; None of counts."""
+    """Return the end of the range that is stated [rad/s, m/s^2]; None of counts."""
     return None if column.size is None else recording.saturation.get(column.sensor)
 
 
@@ -298,16 +301,10 @@ def check_stamps(
     elif SHORTEST <= interval < LONGEST:
         return
     else:
-        near = [x for x in FACTORS if LIKELY[0] <= interval / x < LIKELY[1]]
+        near = _likely(interval)
         said = f"expected {SHORTEST:g} to {LONGEST:g} s"
         remedy = "give --rate if that is so"
-    units = [
-        name
-        for name, own in STAMPS.items()
-        for factor in near
-        if abs(size / factor / own - 1.0) < SAME_UNIT
-    ]
-    if units:
+    if units := _units(size, near):
         remedy = (
             f"they look like {units[0]}: write 'time [{units[0]}]' in the head, or in "
             f"--columns; or {remedy}"
@@ -317,6 +314,34 @@ def check_stamps(
         f"stamps come every {interval:.6g} s, {said}; {remedy}, or skip the column "
         "(--columns with _ in its place)",
     )
+
+
+def likely_unit(column: RecordedColumn, interval: float) -> str:
+    """Return the unit that stamps may be in, which come seldom; '' of all others.
+
+    Parameters
+    ----------
+    interval : float
+        Usual step of the stamps, in the unit of their head [s].
+    """
+    if interval <= LIKELY[1]:
+        return ""
+    return next(iter(_units(column.size or 1.0, _likely(interval))), "")
+
+
+def _likely(interval: float) -> list[float]:
+    """Return the factors by which stamps would be those of most recordings."""
+    return [x for x in FACTORS if LIKELY[0] <= interval / x < LIKELY[1]]
+
+
+def _units(size: float, factors: Sequence[float]) -> list[str]:
+    """Return the units of stamps that are so much smaller than the one of the head."""
+    return [
+        name
+        for name, own in STAMPS.items()
+        for factor in factors
+        if abs(size / factor / own - 1.0) < SAME_UNIT
+    ]
 
 
 class _Reading:
@@ -370,6 +395,8 @@ class _Reading:
             self.looks = [Look.of(one) for one in values]
         for k, name in enumerate(self.names):
             stated = stated_end(self.recording, self.of[name])
+            if stated is not None and self.recording.increments:
+                stated *= self._step()
             values[k], self.kept[k] = self.looks[k].clean(
                 values[k], place, self.kept[k], stated
             )
@@ -442,6 +469,11 @@ class _Reading:
         found = np.cumsum(found) + (0 if begins == 0 else self.last)
         self.last, self.last_time = int(found[-1]), float(time[-1])
         return np.asarray(found)
+
+    def _step(self) -> float:
+        """Return the time between two samples [s]."""
+        rate = self.recording.rate
+        return 1.0 / rate if rate else self.interval
 
     def _back(self, step: float) -> str:
         """Say what is wrong with a clock that does not go on."""
@@ -539,6 +571,9 @@ class _Reading:
                 one.head for one in self.group[0].columns if not one.name and one.head
             ),
             has_stamps=bool(self.clock),
+            likely_unit=""
+            if self.recording.rate or self.clock != TIME
+            else likely_unit(self.of[TIME], self.interval),
         )
 
     def _rate(self) -> float:

@@ -8,7 +8,7 @@ spread.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -49,8 +49,8 @@ LEAST = 2  # units of which there is a spread
     spread_high [unit]
     printed [unit]: standard uncertainty by the data sheet; null where it gives none
     p [1]: probability of as large a spread in a lot as printed; likewise
-    standing: 'within', 'worse' where p is below 5 % over all that are printed,
-      'not_printed', or 'not_told' where a value has no uncertainty
+    standing: 'within', 'worse' where p is below 5 % over all that are judged,
+      'not_printed' in this unit, or 'not_told' where a value has no uncertainty
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +77,7 @@ class LotSpread(Documented):
     title: name of the data sheet
     units (list[str]): serial numbers, or names of results
     inputs by role as file
-    level [1]: below which p is worse, 5 % over all that are printed
+    level [1]: below which p is worse, 5 % over all that are judged
     parameters
     warnings
     """,
@@ -133,8 +133,8 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
     ]
     if not keys:
         raise CallError(f"the results have no parameter of {device.name} in common")
-    number = sum(known[key] is not None for key in keys)
-    level = LEVEL / max(number, 1)
+    rows = [_spread(key, sound, known[key]) for key in keys]
+    level = LEVEL / max(sum(one.p is not None for one in rows), 1)
     return CalibratedLot(
         title=device.name,
         units=tuple(units),
@@ -146,9 +146,16 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
             ),
         ),
         level=level,
-        parameters=tuple(_spread(key, sound, known[key], level) for key in keys),
+        parameters=tuple(_judged(one, level) for one in rows),
         warnings=(*said_of(kept), *twice),
     )
+
+
+def _judged(one: LotSpread, level: float) -> LotSpread:
+    """Say whether a parameter spreads more than printed."""
+    if one.p is None:
+        return one
+    return replace(one, standing=WORSE if one.p < level else WITHIN)
 
 
 def _printed(device: Device) -> dict[Key, float | None]:
@@ -170,9 +177,9 @@ def _key(name: Name) -> Key:
 
 
 def _spread(
-    key: Key, results: Sequence[CalibrationResult], printed: float | None, level: float
+    key: Key, results: Sequence[CalibrationResult], printed: float | None
 ) -> LotSpread:
-    """Return one parameter over the units.
+    """Return one parameter over the units, not judged yet.
 
     Raises
     ------
@@ -207,10 +214,6 @@ def _spread(
         told = printed / size_of(unit)
         if is_told:
             p = float(chdtrc(n - 1, (n - 1) * square / (told**2 + own)))
-    if p is None:
-        standing = NOT_PRINTED if told is None else NOT_TOLD
-    else:
-        standing = WORSE if p < level else WITHIN
     return LotSpread(
         sensor=sensor,
         parameter=parameter,
@@ -223,5 +226,5 @@ def _spread(
         spread_high=ends[1],
         printed=told,
         p=p,
-        standing=standing,
+        standing=NOT_PRINTED if told is None else NOT_TOLD,
     )

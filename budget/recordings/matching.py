@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
-from budget.recordings.log import LIKELY
 from budget.recordings.rests import NEAR, STILL, RestOrTurn, rests_and_turns
 from budget.recordings.track import MOST_ISSUES, RecordedTrack, WindowSpan
 
@@ -94,13 +93,13 @@ def _of_gaps(tracks: Sequence[RecordedTrack]) -> str:
 
 def _of_stamps(tracks: Sequence[RecordedTrack]) -> str:
     """Say that stamps may be in another unit, where they are far apart."""
-    slow = max(1.0 / one.rate for one in tracks)
-    if slow <= LIKELY[1]:
-        return ""
-    return (
-        f". Stamps come every {slow:.3g} s: if they are in ms, write 'time [ms]' in "
-        "the head or in --columns"
-    )
+    for one in tracks:
+        if unit := one.likely_unit:
+            return (
+                f". Stamps come every {1.0 / one.rate:.3g} s: if they are in {unit}, "
+                f"write 'time [{unit}]' in the head or in --columns"
+            )
+    return ""
 
 
 def _matched(

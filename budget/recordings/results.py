@@ -10,9 +10,11 @@ estimator makes of readings with the mistake, d' C^-1 d less (d - D)' C^-1 (d - 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from collections import Counter
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from math import erfc, hypot, inf, sqrt
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -48,7 +50,8 @@ from budget.sentences import sentence
 from budget.units import kind_of, size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from pathlib import Path
 
     from budget.arrays import Array
     from budget.inputs.files import File
@@ -148,6 +151,39 @@ def read_result(name: File) -> CalibrationResult:
     if not isinstance(rows, list) or not rows:
         raise refuse(file.shown, NO_RESULT)
     return _Said(file.shown, document).result(file.path.name, data)
+
+
+def read_results(names: Iterable[File]) -> list[CalibrationResult]:
+    """Read several, each with a name that no other file of them has.
+
+    Raises
+    ------
+    SpecError
+        As `read_result`.
+    """
+    files = [*names]
+    shown = told_apart([find(one, "device").path for one in files])
+    return [
+        replace(read_result(one), name=name)
+        for one, name in zip(files, shown, strict=True)
+    ]
+
+
+def told_apart(paths: Sequence[Path]) -> list[str]:
+    """Return the shortest end of each path that is no end of another one."""
+    every = [one.absolute().parts for one in paths]
+    length = dict.fromkeys(every, 1)
+    open_ = {*every}
+    while open_:
+        ends = Counter(one[-length[one] :] for one in open_)
+        open_ = {
+            one
+            for one in open_
+            if ends[one[-length[one] :]] > 1 and length[one] < len(one)
+        }
+        for one in open_:
+            length[one] += 1
+    return [str(PurePath(*one[-length[one] :])) for one in every]
 
 
 def is_unit(text: str) -> bool:
@@ -504,7 +540,9 @@ def change_between(
             )
     level = LEVEL / len(common)
     rows = [_changed(first, second, a, b, level) for a, b in common]
-    looks = () if procedure is None else _looks(first, second, procedure)
+    changes = {} if procedure is None else _triads(first, second, procedure)
+    looks = () if procedure is None else _looks(changes, procedure)
+    passed_over = [kind for kind, one in changes.items() if one is None]
     warnings = [
         *said_of((first, second)),
         *counted_once((first, second))[1],
@@ -514,6 +552,11 @@ def change_between(
             else []
         ),
         *([sentence("calibrations.no_procedure")] if procedure is None else []),
+        *(
+            [sentence("calibrations.no_mistake_sought", sensors=passed_over)]
+            if passed_over
+            else []
+        ),
         *(
             sentence("calibrations.other_procedure", name=one.name, own=one.procedure)
             for one in (first, second)
@@ -564,22 +607,37 @@ def _changed(
     )
 
 
-def _looks(
+def _triads(
     first: CalibrationResult, second: CalibrationResult, procedure: Procedure
+) -> dict[str, tuple[Array, Array] | None]:
+    """Return the change of each triad, and its covariance; None where it is not told.
+
+    It is not where a parameter is missing or in counts, or the covariance singular.
+    """
+    found: dict[str, tuple[Array, Array] | None] = {}
+    for kind in SENSORS:
+        keys = [(kind, q, axis) for q in PARAMETERS for axis in _axes_of(q)]
+        both = [key for key in keys if key in first.keys and key in second.keys]
+        if not both or not calibrates(kind, procedure):
+            continue
+        found[kind] = None
+        in_counts = any("counts" in first.units[first.keys.index(x)] for x in both)
+        if len(both) == len(keys) and not in_counts:
+            change, covariance = _of_triad(first, second, both)
+            found[kind] = (change, covariance) if _is_told(covariance) else None
+    return found
+
+
+def _looks(
+    changes: Mapping[str, tuple[Array, Array] | None], procedure: Procedure
 ) -> Iterator[ChangeOfMistake]:
     """Yield for each triad the mistake that its change is the size of, if any is."""
     windows = windows_of(procedure)
     numbers = range(1, len(windows) + 1)
-    for kind in SENSORS:
-        if not calibrates(kind, procedure):
+    for kind, told in changes.items():
+        if told is None:
             continue
-        keys = [(kind, q, axis) for q in PARAMETERS for axis in _axes_of(q)]
-        both = [key for key in keys if key in first.keys and key in second.keys]
-        if len(both) < len(keys) or "counts" in first.units[first.keys.index(both[0])]:
-            continue
-        change, covariance = _of_triad(first, second, both)
-        if not _is_told(covariance):
-            continue
+        change, covariance = told
         own = [k for k, one in enumerate(windows) if one.use in {kind, "both"}]
         scheme = scheme_of(kind, as_recorded(procedure, windows), Sensor.bare(kind))
         found = [

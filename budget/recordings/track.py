@@ -14,7 +14,13 @@ from budget.model.source import ACCELEROMETER, GYRO, SENSORS
 from budget.names import AXES
 from budget.recordings.columns import COUNTER, TIME, RecordedColumn
 from budget.recordings.health import MOST_JITTER, SPIKE, UsualSteps, spikes
-from budget.recordings.log import SAME_RATE, check_stamps, open_table, stated_end
+from budget.recordings.log import (
+    SAME_RATE,
+    check_stamps,
+    likely_unit,
+    open_table,
+    stated_end,
+)
 from budget.recordings.tables import NumberTable
 
 if TYPE_CHECKING:
@@ -48,6 +54,7 @@ class RecordedTrack:
     rate: float
     sha256: tuple[tuple[str, str], ...]
     range_end: Mapping[str, float]  # that is stated [SI]
+    likely_unit: str = ""  # of stamps that come seldom
     number: int = 0
     offset: float = 0.0  # of the clock of the run to its own [s]
 
@@ -104,7 +111,7 @@ def read_track(recording: Recording) -> RecordedTrack:
     values: dict[str, tuple[Array, Array]] = {}
     counts: dict[str, bool] = {}
     ends: dict[str, float] = {}
-    files, rates = [], []
+    files, rates, unit = [], [], ""
     for path, shown in recording.files:
         table = NumberTable(path, shown)
         opened = open_table(table, recording)
@@ -126,6 +133,8 @@ def read_track(recording: Recording) -> RecordedTrack:
         files.append((path.name, table.sha256))
         times, rate = _times(every, opened.read, recording, shown)
         rates.append(rate)
+        if TIME in read and not recording.rate:
+            unit = likely_unit(read[TIME][1], 1.0 / rate)
         for kind in SENSORS:
             own = [read.get(f"{kind}_{axis}") for axis in AXES]
             if not any(own):
@@ -155,6 +164,7 @@ def read_track(recording: Recording) -> RecordedTrack:
         rate=min(rates),
         sha256=tuple(files),
         range_end=ends,
+        likely_unit=unit,
     )
 
 

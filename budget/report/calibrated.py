@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
+from budget.model.sources import ENVIRONMENT, STATION
 from budget.names import AXES, PARAMETERS, Name
 from budget.report.document import json_text
 from budget.report.figures.rows import (
@@ -38,13 +39,14 @@ if TYPE_CHECKING:
         RecordedConditions,
     )
     from budget.recordings.lot import CalibratedLot
-    from budget.recordings.results import CalibrationChange
+    from budget.recordings.results import CalibrationChange, ChangedParameter
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget calibrate"
 FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [1]
 MOST_SAID = 3  # values that are far off, in a headline
 MOST_DIGITS = 12
+KNOWN = 1e6  # degrees of freedom, from which k is that of a normal law to 1e-5
 PAGE = "figures_calibrated"
 WHOLE, SHORT = "%.7g", "%.2g"
 INVERSE = "S\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}"
@@ -66,11 +68,16 @@ class PrintedOutput:
     exact_as_found: float
 
 
+def decimals_of(u: float) -> int:
+    """Return the decimals of a value whose uncertainty is told to two digits."""
+    decimals = 1 - floor(log10(u)) if 0.0 < u < inf else 6
+    return min(max(decimals, 0), MOST_DIGITS)
+
+
 def printed_output(row: CalibratedOutput) -> PrintedOutput:
     """Print a value and its expanded uncertainty to the same decimals."""
     value, expanded = row.value / row.si_per_unit, row.expanded / row.si_per_unit
-    decimals = 1 - floor(log10(expanded)) if 0.0 < expanded < inf else 6
-    decimals = min(max(decimals, 0), MOST_DIGITS)
+    decimals = decimals_of(expanded)
     nu = row.degrees_of_freedom
     error = None if row.as_found is None else row.as_found / row.si_per_unit
     return PrintedOutput(
@@ -81,7 +88,7 @@ def printed_output(row: CalibratedOutput) -> PrintedOutput:
         printed=f"{value:.{decimals}f}",
         exact=value,
         expanded=print_given(expanded, digits=2),
-        nu="" if nu == inf else print_given(nu, digits=2),
+        nu="" if nu >= KNOWN else print_given(nu, digits=2),
         as_found=""
         if error is None
         else f"{round(error, decimals) + 0.0:+.{decimals}f}",
@@ -117,7 +124,7 @@ def calibrate_answer(found: RecordedCalibration) -> tuple[Section, ...]:
 
 def change_answer(found: CalibrationChange) -> tuple[Section, ...]:
     """Return what stands on a terminal of two: what moved, and what it looks like."""
-    return _beside("changed", found)
+    return _beside("changed", found, printed=_printed_change)
 
 
 def calibrated_lot_answer(found: CalibratedLot) -> tuple[Section, ...]:
@@ -125,12 +132,29 @@ def calibrated_lot_answer(found: CalibratedLot) -> tuple[Section, ...]:
     return _beside("calibrated_lot", found)
 
 
-def _beside(page: str, found: CalibrationChange | CalibratedLot) -> tuple[Section, ...]:
+def _printed_change(one: ChangedParameter) -> tuple[str, str, str]:
+    """Print both values and their change, to two digits of its uncertainty."""
+    values = (one.first, one.second, one.difference)
+    u = one.standard_uncertainty
+    if not u:
+        first, second, change = (print_given(x, digits=6) for x in values)
+    else:
+        first, second, change = (f"{x:.{decimals_of(u)}f}" for x in values)
+    return first, second, change
+
+
+def _beside(
+    page: str, found: CalibrationChange | CalibratedLot, **filters: object
+) -> tuple[Section, ...]:
     """Return a page of parameters by their sensor."""
     parameters: Sequence[Any] = found.parameters
     groups = groupby(parameters, key=lambda one: one.sensor)
     return sections(
-        page, found=found, groups={key: [*own] for key, own in groups}, DASH=DASH
+        page,
+        found=found,
+        groups={key: [*own] for key, own in groups},
+        DASH=DASH,
+        **filters,
     )
 
 
@@ -147,6 +171,7 @@ class PrintedFigure:
     name: str
     printed: str
     meaning: str
+    definition: str
     shape: str
     nu: str
     source: str
@@ -161,6 +186,7 @@ def station_row(line: ErrorLine) -> PrintedFigure:
         name=line.name,
         printed=line.printed,
         meaning=line.meaning,
+        definition=", ".join(x for x in (line.definition, line.includes) if x),
         shape=", ".join(shapes),
         nu=", ".join(dict.fromkeys(nu)),
         source=line.source,
@@ -210,6 +236,8 @@ def _view(found: RecordedCalibration) -> dict[str, object]:
     return {
         "found": found,
         "outputs": {sensor: [*own.values()] for sensor, own in outputs.items()},
+        "conditions": [run_row(one) for one in found.environment],
+        "station_file": next((x.name for x in found.inputs if x.role == STATION), ""),
         "off": [_Off.of(one) for one in far[:MOST_SAID]] if is_told else [],
         "DASH": DASH,
     }
@@ -250,7 +278,6 @@ def calibrate_document(
         residuals=None if residuals is None else chart_picture(residuals),
         windows=windows,
         station=[station_row(one) for one in found.station],
-        conditions=[run_row(one) for one in found.environment],
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
@@ -264,7 +291,7 @@ def calibrate_document(
             ]
             for one in found.matrix
         },
-        assumed=sections("assumptions", found=found),
+        assumed=sections("assumptions", found=_said_once(found)),
         **_view(found),
     ).whole(
         "calibrate",
@@ -275,6 +302,17 @@ def calibrate_document(
         json=json_text(found.to_dict()),
         date=date,
     )
+
+
+def _said_once(found: RecordedCalibration) -> RecordedCalibration:
+    """Leave figures of the station, which stand under traceability, out of the rest."""
+    figures = tuple(
+        f"{Name(one.name, owner=owner)}: {one.printed}, "
+        for one in found.station
+        for owner in (STATION, ENVIRONMENT)
+    )
+    rest = [one for one in found.assumptions if not str(one).startswith(figures)]
+    return replace(found, assumptions=tuple(rest))
 
 
 def _listed(values: Array, form: str) -> str:

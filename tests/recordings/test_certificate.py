@@ -352,3 +352,25 @@ def test_limits_that_are_not_judged_have_a_row(folder):
     assert names == [f"accelerometer.bias.{axis}" for axis in "xyz"]
     with pytest.raises(CallError, match="expected one as"):
         calibrate("run.csv", procedure=SIX, date="May")
+
+
+def test_degrees_of_freedom_of_the_station_are_carried(folder):
+    """By Welch and Satterthwaite; its figures and the day of issue are said once."""
+    (folder / "table.yaml").write_text(
+        "name: table\nstation:\n  mount: {axes: {x: {value: 30 arcsec, "
+        "degrees_of_freedom: 6}, y: 5 arcsec, z: 5 arcsec}}\n",
+        encoding="utf-8",
+    )
+    found = calibrate(
+        "run.csv", procedure=SIX, device="mems.yaml", station="table.yaml"
+    )
+    keys = [(one.sensor, one.parameter, one.axis) for one in found.outputs]
+    one = found.outputs[keys.index(("gyro", "mounting_angle", "yx"))]
+    arcsec = np.pi / 180.0 / 3600.0
+    u = one.standard_uncertainty / arcsec
+    assert_allclose(one.degrees_of_freedom, u**4 / (30.0**4 / 6.0), rtol=1e-3)
+    text = call(*words("--station", "table.yaml", "-o", "a.html")).out
+    assert "station: table.yaml" in " ".join(text.split())
+    page = unescape((folder / "a.html").read_text(encoding="utf-8"))
+    assert "issued 20" in page
+    assert "station.mount: x 30 arcsec" not in page.split('type="application/json"')[0]

@@ -325,3 +325,28 @@ def test_a_spectrum_over_that_of_its_model_is_1():
     assert abs(np.log10(place / 20.0)) < 1.0 / 16.0
     assert ratio > 3.0
     assert welch_spectrum(noise[:200], rate) is None
+
+
+def test_a_stated_end_is_in_the_unit_of_rates_of_increments_too(tmp_path):
+    """Of angle steps the end is that rate times the interval: 1 deg/s at 100 Hz."""
+    rng = np.random.default_rng(3)
+    steps = np.round(rng.normal(0.0, 1e-3, 2000), 9)  # [deg], 0.1 deg/s
+    steps[500] = 0.0101  # 1.01 deg/s
+    time = np.arange(2000) / 100.0
+    write(tmp_path / "a.csv", np.stack([time, steps], axis=1), heads=("time [s]", "x"))
+    for end, number in (("1 deg/s", 1), ("2 deg/s", 0)):
+        (tmp_path / "a.yaml").write_text(
+            "recording: a.csv\nincrements: true\n"
+            f"saturation: {{gyro: {end}}}\ncolumns: ['time [s]', 'gyro_x [deg]']\n",
+            encoding="utf-8",
+        )
+        (log,) = read_logs(load_recording(tmp_path / "a.yaml"))
+        assert log.channels["gyro_x"].kept_out.saturated == number
+
+
+@pytest.mark.parametrize(("size", "said"), [(1e3, "ms"), (1.0, "")])
+def test_stamps_that_come_seldom_may_be_in_another_unit(tmp_path, size, said):
+    """Of 200 Hz in ms under a head of seconds: every 5 s."""
+    rows = np.stack([np.arange(500) * 0.005 * size, short_log()[:500, 1]], axis=1)
+    path = write(tmp_path / "a.csv", rows, heads=("time [s]", HEADS[1]))
+    assert read(path).likely_unit == said

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import PurePath
 
 import numpy as np
 import pytest
@@ -13,8 +14,14 @@ from scipy.stats import chi2, norm
 
 from budget.errors import CallError, SpecError
 from budget.inputs import load_device, load_procedure
+from budget.recordings.columns import LIKE
 from budget.recordings.lot import lot_of
-from budget.recordings.results import change_between, is_result, read_result
+from budget.recordings.results import (
+    change_between,
+    is_result,
+    read_result,
+    read_results,
+)
 
 SIX = "six-positions-and-turns"
 
@@ -370,3 +377,61 @@ def test_what_is_no_result_is_refused(tmp_path, folder, text):
     path.write_text(json.dumps(whole), encoding="utf-8")
     with pytest.raises(CallError, match="calibrate both with, or"):
         change_between(read_result(folder / "a.json"), read_result(path), None)
+
+
+def test_files_of_one_name_are_told_apart(folder, tmp_path):
+    """By the shortest end of their paths that is no other one's; others stay short."""
+    for year, name in (("2025", "a"), ("2026", "other")):
+        (tmp_path / year).mkdir()
+        data = (folder / f"{name}.json").read_bytes()
+        (tmp_path / year / "cal.json").write_bytes(data)
+    paths = [tmp_path / year / "cal.json" for year in ("2025", "2026")]
+    found = read_results([*paths, folder / "a.json"])
+    names = [PurePath(one.name).as_posix() for one in found]
+    assert names == ["2025/cal.json", "2026/cal.json", "a.json"]
+    assert [x.name for x in read_results([paths[0], paths[0]])] == ["cal.json"] * 2
+
+
+def test_a_singular_covariance_is_said(folder):
+    """Two parameters that are known only together: that triad is not looked at."""
+
+    def make_one(whole):
+        rows = np.array(whole["covariance"]).reshape((len(whole["outputs"]), -1))
+        u = np.sqrt(np.diag(rows))
+        rows[1] = rows[0] * u[1] / u[0]
+        rows[:, 1] = rows[:, 0] * u[1] / u[0]
+        rows[1, 1] = u[1] ** 2
+        whole["covariance"] = rows.tolist()
+
+    other(folder, "singular", make_one)
+    found = change(folder, "singular", "singular")
+    (said,) = [str(x) for x in found.warnings if "no known mistake" in str(x)]
+    assert "gyro" in said
+    assert "accelerometer" not in said
+    whole = change(folder, "a", "other")
+    assert not any("no known mistake" in str(x) for x in whole.warnings)
+
+
+def test_a_lot_in_counts_shares_the_level_over_what_is_judged(folder):
+    """Without gain scale factors are not judged: 5 % is over the 18 that are."""
+    sound = lot_of(load_device(MEMS), [read_result(x) for x in units(folder, 1.0)])
+    assert_allclose(sound.level, 0.05 / 24, rtol=1e-12)
+    paths = []
+    for path in units(folder, 1.0):
+        whole = json.loads(path.read_text(encoding="utf-8"))
+        for one in whole["outputs"]:
+            if one["parameter"] == "scale_factor" and one["sensor"] in LIKE:
+                one["unit"] = f"counts/({LIKE[one['sensor']]})"
+        paths.append(path.with_name(f"counts-{path.name}"))
+        paths[-1].write_text(json.dumps(whole, indent=1), encoding="utf-8")
+    found = lot_of(load_device(MEMS), [read_result(one) for one in paths])
+    assert len(found.judged) == 18
+    assert_allclose(found.level, 0.05 / 18, rtol=1e-12)
+
+
+def test_z_stands_beside_its_parameter_at_80_columns(folder):
+    """Values to two digits of u, so that one table has room for all columns."""
+    out = call("diff", str(folder / "a.json"), str(folder / "other.json")).out
+    head = next(one for one in out.splitlines() if one.startswith("parameter"))
+    assert head.split()[-2:] == ["unit", "z"]
+    assert max(map(len, out.splitlines())) <= 80
