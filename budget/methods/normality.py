@@ -122,7 +122,6 @@ def _excess(shapes: tuple[Distribution, ...]) -> Array:
 _DRAWN: dict[Hashable, Array] = {}
 
 
-
 def _deviation(problem: Problem, law: Propagation) -> Array:
     """Return the largest deviation of trials from the expansion, (n_out,) [SI]."""
     if len(_DRAWN) > KEPT:
