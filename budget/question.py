@@ -728,7 +728,9 @@ def _told(line: ErrorLine) -> tuple[Hashable, ...]:
 
 def laws_together(questions: Sequence[Question]) -> None:
     """Make the laws of several questions, those of one structure at once."""
-    open_ones = [one for one in questions if "law" not in vars(one)]
+    # Where there are limits it is their law that is judged.
+    owners = [one.held or one for one in questions]
+    open_ones = [one for one in owners if "law" not in vars(one)]
     laws = propagate_together([one.problem for one in open_ones])
     for one, law in zip(open_ones, laws, strict=True):
         vars(one)["law"] = law  # as if each had been asked for it

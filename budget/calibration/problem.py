@@ -117,7 +117,10 @@ def calibration_problem(
         sensors, procedure, reference=reference, outputs=outputs, every=every
     )
     frame = _frame(structure)
-    members = structure.members(frame.statistics, only=only)
+    # Of a structure that is new they were made for its frame.
+    made = vars(structure).pop("made", None)
+    members = made if made and only is None else None
+    members = members or structure.members(frame.statistics, only=only)
     return Problem(
         groups=tuple(group for _, group in members),
         outputs=frame.outputs,
@@ -283,7 +286,7 @@ def _frame(of: _Structure) -> _Frame:
     """Set up the function and the outputs of a structure."""
     statistics = _statistics_of(of)
     triads = tuple(of.triads(statistics).values())
-    members = of.members(statistics, only=None)
+    members = vars(of)["made"] = of.members(statistics, only=None)
     groups = tuple(group for _, group in members)
     places = tuple(
         (row, place) for (row, _), place in zip(members, arguments(groups), strict=True)

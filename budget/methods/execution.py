@@ -33,7 +33,7 @@ from budget.distributions import LEAST
 from budget.errors import BudgetError, WorkerError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Hashable, Iterable, Iterator
 
     from budget.arrays import Array
     from budget.problem import Group, Problem
@@ -59,18 +59,31 @@ def _key(name: str) -> int:
     return int.from_bytes(sha256(name.encode()).digest()[:8], "big")
 
 
-def draw(problem: Problem, seed: int, block: int, out: Array) -> Array:
+def draw(
+    problem: Problem,
+    seed: int,
+    block: int,
+    out: Array,
+    *,
+    kept: dict[Hashable, Array] | None = None,
+) -> Array:
     """Fill one block of inputs, shape (n_inputs, BLOCK), and return it.
 
-    Constant inputs keep their mean.
+    Constant inputs keep their mean. `kept` are unit variates of this seed and block,
+    which other Problems have in common; what is drawn is added.
     """
     for group, rows in zip(problem.groups, problem.slices, strict=True):
         x = out[rows]
         if group.is_constant:
             x[:] = group.mean[:, None]
             continue
-        z = np.empty(x.shape)
-        _draw_unit(group, stream(seed, group.name, block), z)
+        key = (group.name, x.shape, None if group.is_normal else group.drawn)
+        z = None if kept is None else kept.get(key)
+        if z is None:
+            z = np.empty(x.shape)
+            _draw_unit(group, stream(seed, group.name, block), z)
+            if kept is not None:
+                kept[key] = z
         group.deviations(z, out=x)
         for place, scale in enumerate(group.scales):
             v = scale.degrees_of_freedom

@@ -33,6 +33,8 @@ from budget.distributions import NORMAL, normal_coverage_factor
 from budget.methods.execution import draw, small_blocks
 
 if TYPE_CHECKING:
+    from collections.abc import Hashable
+
     from budget.arrays import Array
     from budget.distributions import Distribution
     from budget.methods.gum import Propagation
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 SAFETY = 2.5  # on the terms of the expansion [1]
 PROBES = 256  # trials at which the expansion is held against the function
 PROBE_SEED = 0  # whatever the run's is: the law depends on no seed
+KEPT = 128  # sources of one size, whose probes are kept
 ROUNDING = 1e-12  # of doubles, over the sums of a problem [1]
 
 
@@ -115,9 +118,16 @@ def _excess(shapes: tuple[Distribution, ...]) -> Array:
     return np.array([abs(one.kurtosis - NORMAL.kurtosis) for one in shapes])
 
 
+# Devices have the same sources, whose probes are drawn once.
+_DRAWN: dict[Hashable, Array] = {}
+
+
 def _deviation(problem: Problem, law: Propagation) -> Array:
     """Return the largest deviation of trials from the expansion, (n_out,) [SI]."""
-    x = draw(problem, PROBE_SEED, 0, np.empty((problem.n_inputs, PROBES)))
+    if len(_DRAWN) > KEPT:
+        _DRAWN.clear()
+    x = np.empty((problem.n_inputs, PROBES))
+    x = draw(problem, PROBE_SEED, 0, x, kept=_DRAWN)
     with small_blocks():
         y = problem.evaluate(x)
         dx = x - problem.mean[:, None]

@@ -227,12 +227,10 @@ def line_of(
     Allan curve without a correlation time, which is flicker noise. Without a size it is
     the process of a plain value: a probe reaches the same outputs by either.
     """
-    unit = source.like(kind)
-    # A size per root of hertz is printed as makers do, as a one-sided density.
-    density = ONE_SIDED if per_root_hertz(unit) else ""
+    unit, density, one = _printed_in(source.like(kind))
     is_floor = u is not None and FLICKER in source.forms
     reading = 1.0 / ALLAN_MINIMUM if is_floor else 1.0
-    one = parse_quantity(f"1 {unit}", unit).value * WALK_PER_DENSITY[density] * reading
+    one *= reading
     size = one if u is None else u
     axes = len(source.axes)
     is_timed = source.process and not is_floor
@@ -260,6 +258,17 @@ def line_of(
         says=(("definition", "allan_minimum"),),
         definition="allan_minimum",
     )
+
+
+@cache
+def _printed_in(unit: str) -> tuple[str, str, float]:
+    """Return a unit, the density that it is of, and the size of 1 of it [SI].
+
+    A size per root of hertz is printed as makers do, as a one-sided density.
+    """
+    density = ONE_SIDED if per_root_hertz(unit) else ""
+    size = parse_quantity(f"1 {unit}", unit).value * WALK_PER_DENSITY[density]
+    return unit, density, size
 
 
 def _worst(

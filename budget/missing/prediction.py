@@ -283,6 +283,8 @@ class Design:
     ----------
     figures : sequence of LogLine
         Of one design.
+    of_line : mapping of str to list of LogLine
+        The same by their line.
     technology, name : str
         The design stands for its technology where nobody knows that.
     number : ndarray, shape (q,)
@@ -298,6 +300,9 @@ class Design:
         self, figures: Sequence[LogLine], lines: Sequence[str], origin: Array
     ) -> None:
         self.figures = figures
+        self.of_line: dict[str, list[LogLine]] = {}
+        for each in figures:
+            self.of_line.setdefault(each.line, []).append(each)
         self.technology, self.name = figures[0].groups[: DESIGN + 1]
         Z = _same([each.line for each in figures], lines)
         self.number = Z.sum(axis=0)
@@ -399,8 +404,7 @@ class Fit:
             each
             for one in self.designs
             if one.name != wanted.groups[DESIGN]
-            for each in one.figures
-            if each.line == wanted.line
+            for each in one.of_line.get(wanted.line, ())
         ]
 
 

@@ -216,3 +216,15 @@ def test_a_bound_is_looked_up_where_it_turns(power):
         assert excess(found) <= 0.0
         assert_allclose(found, root, rtol=1e-9)
         assert len(asked) < 50
+
+
+def test_the_laws_of_a_chunk_are_those_that_are_judged():
+    """No law is made again where limits are put on it."""
+    wanted, how = load_requirement("catalogue-edge"), load_procedure("zhao-2019")
+    every = Question.each(catalogue()[:3], [how], requirement=wanted)
+    questions = [one for _, one in every if one.has_lines]
+    assert questions
+    laws_together(questions)
+    for one in questions:
+        assert "law" in vars(one.limits)
+        assert one.law is one.limits.law
