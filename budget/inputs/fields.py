@@ -666,7 +666,7 @@ class KeyTable:
         )
         read = _read_all(there, gravity, *strange, *absent)
         given = dict.fromkeys(node.value) | read
-        values = {key: given.get(key, row.default) for key, row in self.rows.items()}
+        values = {key: read.get(key, row.default) for key, row in self.rows.items()}
         if not issubclass(self.record, Keyed):
             return self.record(**values)
         found = self.record(values, given)

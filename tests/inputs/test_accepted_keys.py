@@ -100,7 +100,7 @@ RANGES = {"gyro": "deg/s", "accelerometer": "g"}
 AXES_OF = {"bias": AXES, "mounting_angle": ANGLES}
 FIGURE_KEYS = (
     *("value", "meaning", "distribution", "includes", "horizon"),
-    *("condition", "source"),
+    *("condition", "source", "degrees_of_freedom"),
 )
 BESIDE = {
     "distribution": {"meaning": "max"},
