@@ -36,7 +36,7 @@ from budget.calibration.schemes import (
 from budget.errors import BudgetError, CallError
 from budget.inputs import load_device
 from budget.inputs.files import find
-from budget.inputs.records import UNCALIBRATED, RunConditions, Sensor
+from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
 from budget.model.norm import NormScheme
@@ -50,7 +50,6 @@ from budget.recordings.calibrated import (
     MistakeRow,
     PassedOver,
     RecordedCalibration,
-    RecordedConditions,
     RunChiSquare,
     RunWindow,
     Suspicion,
@@ -58,6 +57,7 @@ from budget.recordings.calibrated import (
 )
 from budget.recordings.columns import COUNTS, LIKE
 from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
+from budget.recordings.records import RecordedConditions
 from budget.recordings.results import read_result
 from budget.recordings.run import read_windows
 from budget.results import InputFile, input_files
@@ -626,7 +626,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         title=given.unit.name if given.unit else read.name,
         serial=given.serial,
         date=given.date,
-        environment=tuple(given.environment),
+        environment=tuple(map(RecordedConditions.of, given.recordings)),
         procedure=how.name,
         estimator=there.formulas,
         station=(*how.station, *how.environment),
@@ -696,13 +696,6 @@ class GivenOfRun:
             return None
         own = ("name", "title", "serial", "date", "procedure", "is_sound")
         return CorrectionInForce(**{key: getattr(self.before, key) for key in own})
-
-    @property
-    def environment(self) -> Iterator[RecordedConditions]:
-        """When and in what each recording was made."""
-        for one in self.recordings:
-            said = one.environment or RunConditions()
-            yield RecordedConditions(recording=one.name, date=one.date, **vars(said))
 
 
 def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:

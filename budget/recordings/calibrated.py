@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from budget.calibration.mistakes import Mistake
     from budget.inputs.records import ErrorLine
     from budget.names import Name
+    from budget.recordings.records import RecordedConditions
     from budget.results import InputFile
 
 
@@ -110,31 +111,6 @@ class CorrectionInForce(Documented):
     date: str
     procedure: str
     is_sound: bool | None
-
-
-@written(
-    "run_environment",
-    """
-    recording: name of it
-    date: of it, as its recording file says; empty where it does not
-    temperature [degC]: of the air; this and what follows null where nobody said it
-    humidity * percent [%]: relative
-    pressure / hectopascal [hPa]
-    text: what else was said
-    """,
-    percent=lambda _: 100.0,
-    hectopascal=lambda _: 100.0,
-)
-@dataclass(frozen=True, kw_only=True)
-class RecordedConditions(Documented):
-    """When and in what a recording was made, as its file says."""
-
-    recording: str
-    date: str
-    temperature: float | None
-    humidity: float | None
-    pressure: float | None
-    text: str
 
 
 @written(

@@ -32,6 +32,7 @@ from budget.recordings.records import (
     NoiseModels,
     PeriodicLine,
     RecordedChannel,
+    RecordedConditions,
     RecordHealth,
     SpectrumRow,
 )
@@ -286,6 +287,7 @@ def _put_together(
             lines.append(_bias(name, noise, rest))
     return Characterisation(
         title=", ".join(one.name for one in recordings),
+        environment=tuple(map(RecordedConditions.of, recordings)),
         inputs=tuple(_files(recordings, runs)),
         lines=tuple(lines),
         models=tuple(_models(name, one) for name, one in found.items()),

@@ -31,7 +31,13 @@ from budget.model.sources import source_of
 from budget.model.sources.later import AGEING, growth
 from budget.names import PARAMETERS, Name
 from budget.recordings.calibrate import AS_TESTED
-from budget.recordings.results import LEVEL, counted_once, read_results, said_of
+from budget.recordings.results import (
+    LEVEL,
+    common_keys,
+    counted_once,
+    read_results,
+    said_of,
+)
 from budget.results import InputFile, input_files
 from budget.sentences import sentence
 from budget.settings import Asked, Inputs, asking
@@ -224,11 +230,8 @@ def history(
         )
         for x in (wanted.limits if wanted is not None else ())
     }
-    keys = [
-        key
-        for key in sound[0].keys
-        if key[1] in PARAMETERS and all(key in one.keys for one in sound)
-    ]
+    has = [(one.name, one.keys) for one in sound]
+    keys, left_out = common_keys(has, among=PARAMETERS)
     if not keys:
         raise CallError("the results have no parameter in common")
     level = LEVEL / len(keys)
@@ -267,6 +270,7 @@ def history(
         warnings=(
             *said_of(found),
             *twice,
+            *left_out,
             *([sentence("calibrations.lacks_turn_ons", names=lacks)] if lacks else []),
             *(
                 [sentence("calibrations.limits_not_judged", names=not_judged)]

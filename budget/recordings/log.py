@@ -8,6 +8,7 @@ missing, and counted.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 LEAST_ROWS = 100
 SHORTEST, LONGEST = 1e-5, 10.0  # between two samples [s]
 LIKELY = 1e-4, 0.2  # likewise, of most recordings [s]
+SLOW, LONG = 1.0, 172800.0  # interval and duration, up to which seconds are likely [s]
 FACTORS = (1e3, 1e6, 1e9, 1e-3, 1e-6, 1e-9)  # of one unit of time over another [1]
 STAMPS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}  # [s]
 SAME_UNIT = 0.05  # of such a factor [1]
@@ -316,15 +318,19 @@ def check_stamps(
     )
 
 
-def likely_unit(column: RecordedColumn, interval: float) -> str:
+def likely_unit(column: RecordedColumn, interval: float, duration: float = inf) -> str:
     """Return the unit that stamps may be in, which come seldom; '' of all others.
+
+    A second and less between two is that of slow recordings, unless of days.
 
     Parameters
     ----------
     interval : float
         Usual step of the stamps, in the unit of their head [s].
+    duration : float
+        Of the recording likewise [s].
     """
-    if interval <= LIKELY[1]:
+    if interval <= LIKELY[1] or (interval <= SLOW and duration <= LONG):
         return ""
     return next(iter(_units(column.size or 1.0, _likely(interval))), "")
 
@@ -573,7 +579,9 @@ class _Reading:
             has_stamps=bool(self.clock),
             likely_unit=""
             if self.recording.rate or self.clock != TIME
-            else likely_unit(self.of[TIME], self.interval),
+            else likely_unit(
+                self.of[TIME], self.interval, (self.last + 1) * self.interval
+            ),
         )
 
     def _rate(self) -> float:

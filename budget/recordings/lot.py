@@ -19,7 +19,7 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.model.source import GYRO
 from budget.names import PARAMETERS, Name, parameters_of
-from budget.recordings.results import LEVEL, counted_once, said_of
+from budget.recordings.results import LEVEL, common_keys, counted_once, said_of
 from budget.results import InputFile, input_files
 from budget.units import STANDARD_GRAVITY, size_of
 
@@ -126,11 +126,8 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
             "some results are of one unit; of a unit over time ask `budget history`"
         )
     known = _printed(device)
-    keys = [
-        key
-        for key in sound[0].keys
-        if key[1] in PARAMETERS and key in known and all(key in x.keys for x in sound)
-    ]
+    has = [(device.name, tuple(known)), *((one.name, one.keys) for one in sound)]
+    keys, left_out = common_keys(has, among=PARAMETERS)
     if not keys:
         raise CallError(f"the results have no parameter of {device.name} in common")
     rows = [_spread(key, sound, known[key]) for key in keys]
@@ -147,7 +144,7 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
         ),
         level=level,
         parameters=tuple(_judged(one, level) for one in rows),
-        warnings=(*said_of(kept), *twice),
+        warnings=(*said_of(kept), *twice, *left_out),
     )
 
 

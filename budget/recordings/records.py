@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from budget.documents import Documented, written
+from budget.inputs.records import RunConditions
 
 if TYPE_CHECKING:
+    from budget.inputs.records import Recording
     from budget.results import InputFile
 
 
@@ -238,9 +240,41 @@ class RecordHealth(Documented):
 
 
 @written(
+    "run_environment",
+    """
+    recording: name of it
+    date: of it, as its recording file says; empty where it does not
+    temperature [degC]: of the air; this and what follows null where nobody said it
+    humidity * percent [%]: relative
+    pressure / hectopascal [hPa]
+    text: what else was said
+    """,
+    percent=lambda _: 100.0,
+    hectopascal=lambda _: 100.0,
+)
+@dataclass(frozen=True, kw_only=True)
+class RecordedConditions(Documented):
+    """When and in what a recording was made, as its file says."""
+
+    recording: str
+    date: str
+    temperature: float | None
+    humidity: float | None
+    pressure: float | None
+    text: str
+
+    @classmethod
+    def of(cls, recording: Recording) -> RecordedConditions:
+        """Take them from a recording."""
+        said = recording.environment or RunConditions()
+        return cls(recording=recording.name, date=recording.date, **vars(said))
+
+
+@written(
     "characterisation",
     """
     title: names of the recordings
+    environment: of each recording, when and in what it was made
     inputs by role as file
     lines
     models
@@ -265,6 +299,7 @@ class Characterisation(Documented):
     """
 
     title: str
+    environment: tuple[RecordedConditions, ...]
     inputs: tuple[InputFile, ...]
     lines: tuple[NoiseLine, ...]
     models: tuple[NoiseModels, ...]

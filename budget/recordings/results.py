@@ -42,6 +42,7 @@ from budget.names import (
     ORDERS,
     OUTPUTS,
     PARAMETERS,
+    Name,
 )
 from budget.recordings.calibrated import MistakeRow
 from budget.recordings.columns import COUNTS, LIKE
@@ -50,7 +51,7 @@ from budget.sentences import sentence
 from budget.units import kind_of, size_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from budget.arrays import Array
@@ -65,6 +66,7 @@ COMMAND = "calibrate"
 MOST_BYTES = 64 * 1024 * 1024
 MOST, TINY = 1e100, 1e-9  # numbers of a result, in size; factors that are above 0
 ALIKE = 1e-4  # of numbers that may have been rounded, over u
+MOST_NAMED = 3  # files
 LONGEST = 40  # of what was found, in a message
 NO_RESULT = "is no result of a calibration, expected one of calibrate --json"
 UNITS = (
@@ -420,6 +422,41 @@ def _is_of_one_run(first: CalibrationResult, second: CalibrationResult) -> bool:
     ) and np.array_equal(first.values, second.values)
 
 
+def common_keys(
+    named: Sequence[tuple[str, Collection[Key]]], *, among: Collection[str] = OUTPUTS
+) -> tuple[list[Key], list[str]]:
+    """Return parameters that all files have; with what is said of the others.
+
+    Parameters
+    ----------
+    named : sequence of (str, collection of Key)
+        Name of each file, and what it has.
+    among : collection of str
+        Which parameters are wanted.
+    """
+    every = dict.fromkeys(x for _, own in named for x in own if x[1] in among)
+    names = {key: Name(key[1], owner=key[0], axis=key[2]) for key in every}
+    lacking: dict[tuple[str, ...], list[Key]] = {}
+    for key in every:
+        files = tuple(name for name, own in named if key not in own)
+        lacking.setdefault(files, []).append(key)
+    common = lacking.pop((), [])
+    said: list[str] = []
+    for files, keys in lacking.items():
+        # Of a group that lacks as a whole its axes are not named.
+        rest = {names[key].group for key in every if key not in keys}
+        groups = (names[x] if names[x].group in rest else names[x].group for x in keys)
+        said.append(
+            sentence(
+                "calibrations.not_in_all",
+                names=[*dict.fromkeys(groups)],
+                files=files[:MOST_NAMED],
+                more=len(files[MOST_NAMED:]),
+            )
+        )
+    return common, said
+
+
 def said_of(results: Sequence[CalibrationResult]) -> Iterator[str]:
     """Yield what has to be said of results: not sound, or lower bounds."""
     for one in results:
@@ -435,6 +472,7 @@ def said_of(results: Sequence[CalibrationResult]) -> Iterator[str]:
     sensor: 'gyro', 'accelerometer' or, of both together, 'imu'
     parameter
     axis
+    is_derived: whether it is a sum of others, as a rotation is of mounting angles
     unit
     first [unit]: value
     second [unit]
@@ -453,6 +491,7 @@ class ChangedParameter(Documented):
     sensor: str
     parameter: str
     axis: str
+    is_derived: bool
     unit: str
     first: float
     second: float
@@ -507,9 +546,10 @@ class CalibrationChange(Documented):
 
     @property
     def moved(self) -> tuple[ChangedParameter, ...]:
-        """Parameters that moved, the farthest first."""
+        """Parameters that moved and are no sums of others, the farthest first."""
         found = [one for one in self.parameters if one.standing == MOVED]
-        return tuple(sorted(found, key=lambda one: -abs(one.z or inf)))
+        own = (one for one in found if not one.is_derived)
+        return tuple(sorted(own, key=lambda one: -abs(one.z or inf)))
 
 
 def change_between(
@@ -527,8 +567,8 @@ def change_between(
     CallError
         They have no parameter in common, or other units.
     """
-    places = {key: k for k, key in enumerate(first.keys)}
-    common = [(places[key], k) for k, key in enumerate(second.keys) if key in places]
+    keys, left_out = common_keys([(one.name, one.keys) for one in (first, second)])
+    common = [(first.keys.index(key), second.keys.index(key)) for key in keys]
     if not common:
         raise CallError(f"{first.name} and {second.name} have no parameter in common")
     for a, b in common:
@@ -546,6 +586,7 @@ def change_between(
     warnings = [
         *said_of((first, second)),
         *counted_once((first, second))[1],
+        *left_out,
         *(
             [sentence("calibrations.other_unit")]
             if first.serial != second.serial
@@ -596,6 +637,7 @@ def _changed(
         sensor=sensor,
         parameter=parameter,
         axis=axis,
+        is_derived=parameter not in {*PARAMETERS, *ORDERS},
         unit=first.units[a],
         first=float(first.values[a]),
         second=float(second.values[b]),

@@ -23,6 +23,7 @@ from budget.report.figures.rows import (
 from budget.report.figures.style import INK, VERMILION, Scale
 from budget.report.pages import document, figure, sections
 from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.recording import run_row
 from budget.report.tables import DASH, print_given
 from budget.version import __version__
 
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
-        RecordedConditions,
     )
     from budget.recordings.lot import CalibratedLot
     from budget.recordings.results import CalibrationChange, ChangedParameter
@@ -118,7 +118,7 @@ def calibrate_answer(found: RecordedCalibration) -> tuple[Section, ...]:
     """Return what stands on a terminal: soundness, values, what is not shown."""
     return (
         *sections("calibrate", **_view(found)),
-        *sections("assumptions", found=found),
+        *sections("assumptions", found=_said_once(found)),
     )
 
 
@@ -194,30 +194,6 @@ def station_row(line: ErrorLine) -> PrintedFigure:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class PrintedRun:
-    """When and in what a recording was made; '' of what is not stated."""
-
-    recording: str
-    date: str
-    said: tuple[str, ...]
-
-
-def run_row(one: RecordedConditions) -> PrintedRun:
-    """Print it, in the units that people read."""
-    numbers = (
-        (one.temperature, 1.0, "\N{DEGREE SIGN}C"),
-        (one.humidity, 100.0, "% RH"),
-        (one.pressure, 0.01, "hPa"),
-    )
-    given = [f"{x * size:.6g} {unit}" for x, size, unit in numbers if x is not None]
-    return PrintedRun(
-        recording=one.recording,
-        date=one.date,
-        said=(*given, *([one.text] if one.text else [])),
-    )
-
-
 def _view(found: RecordedCalibration) -> dict[str, object]:
     """Return what the pages are given."""
     outputs: dict[str, dict[str, list[PrintedOutput]]] = {}
@@ -237,6 +213,7 @@ def _view(found: RecordedCalibration) -> dict[str, object]:
         "found": found,
         "outputs": {sensor: [*own.values()] for sensor, own in outputs.items()},
         "conditions": [run_row(one) for one in found.environment],
+        "station": [station_row(one) for one in found.station],
         "station_file": next((x.name for x in found.inputs if x.role == STATION), ""),
         "off": [_Off.of(one) for one in far[:MOST_SAID]] if is_told else [],
         "DASH": DASH,
@@ -277,7 +254,6 @@ def calibrate_document(
         picture=None if pulls is None else chart_picture(pulls),
         residuals=None if residuals is None else chart_picture(residuals),
         windows=windows,
-        station=[station_row(one) for one in found.station],
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
@@ -305,7 +281,7 @@ def calibrate_document(
 
 
 def _said_once(found: RecordedCalibration) -> RecordedCalibration:
-    """Leave figures of the station, which stand under traceability, out of the rest."""
+    """Leave figures of the station, which stand by themselves, out of the rest."""
     figures = tuple(
         f"{Name(one.name, owner=owner)}: {one.printed}, "
         for one in found.station

@@ -30,7 +30,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from budget.inputs.records import Device
-    from budget.recordings.records import Characterisation, NoiseLine
+    from budget.recordings.records import (
+        Characterisation,
+        NoiseLine,
+        RecordedConditions,
+    )
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget characterise"
@@ -76,6 +80,30 @@ def printed(line: NoiseLine) -> PrintedLine:
     )
 
 
+@dataclass(frozen=True, kw_only=True)
+class PrintedRun:
+    """When and in what a recording was made; '' of what is not stated."""
+
+    recording: str
+    date: str
+    said: tuple[str, ...]
+
+
+def run_row(one: RecordedConditions) -> PrintedRun:
+    """Print it, in the units that people read."""
+    numbers = (
+        (one.temperature, 1.0, "\N{DEGREE SIGN}C"),
+        (one.humidity, 100.0, "% RH"),
+        (one.pressure, 0.01, "hPa"),
+    )
+    given = [f"{x * size:.6g} {unit}" for x, size, unit in numbers if x is not None]
+    return PrintedRun(
+        recording=one.recording,
+        date=one.date,
+        said=(*given, *([one.text] if one.text else [])),
+    )
+
+
 def characterise_answer(found: Characterisation) -> tuple[Section, ...]:
     """Return what stands on a terminal: figures by line and axis, what is not told."""
     return (
@@ -99,6 +127,7 @@ def _view(found: Characterisation) -> dict[str, object]:
     }
     return {
         "found": found,
+        "conditions": [run_row(one) for one in found.environment],
         "groups": {sensor: [*own.values()] for sensor, own in groups.items()},
         "TIME_LINE": TIME_LINE,
         "models": models,

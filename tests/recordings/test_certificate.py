@@ -370,7 +370,9 @@ def test_degrees_of_freedom_of_the_station_are_carried(folder):
     u = one.standard_uncertainty / arcsec
     assert_allclose(one.degrees_of_freedom, u**4 / (30.0**4 / 6.0), rtol=1e-3)
     text = call(*words("--station", "table.yaml", "-o", "a.html")).out
-    assert "station: table.yaml" in " ".join(text.split())
+    said = " ".join(text.split())
+    assert "Station table.yaml: mount x 30 arcsec, y 5 arcsec, z 5 arcsec" in said
+    assert text.count("30 arcsec") == 1
     page = unescape((folder / "a.html").read_text(encoding="utf-8"))
     assert "issued 20" in page
     assert "station.mount: x 30 arcsec" not in page.split('type="application/json"')[0]

@@ -364,6 +364,34 @@ def test_white_noise_that_blocks_do_not_show_is_of_short_times(tmp_path):
 
 
 @pytest.mark.slow
+def test_day_and_environment_are_said_and_move_no_number(tmp_path, monkeypatch):
+    """On terminal, page and JSON, as of a calibration; what nobody said as such."""
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path / "a.csv", short_log())
+    write(tmp_path / "b.csv", short_log(seed=2))
+    (tmp_path / "how.yaml").write_text(
+        "recording: a.csv\ndate: 2026-05-31\nenvironment: {temperature: 296.55 K, "
+        "humidity: 45 %, text: laboratory <3>}\n",
+        encoding="utf-8",
+    )
+    plain, found = characterise("a.csv", "b.csv"), characterise("how.yaml", "b.csv")
+    assert [one.value for one in found.lines] == [one.value for one in plain.lines]
+    first, second = found.to_dict()["environment"]
+    assert (first["date"], first["text"]) == ("2026-05-31", "laboratory <3>")
+    assert_allclose([first["temperature"], first["humidity"]], [23.4, 45.0])
+    assert (second["recording"], second["date"], second["pressure"]) == (
+        *("b.csv", ""),
+        None,
+    )
+    done = call("characterise", "how.yaml", "b.csv", "-o", "a.html")
+    said = "2026-05-31, 23.4 \N{DEGREE SIGN}C, 45 % RH, laboratory <3> (how.yaml)"
+    assert said in " ".join(done.out.split())
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert "laboratory &lt;3&gt;" in page
+    assert page.count("not stated") == 2
+    assert "Circumstances" not in call("characterise", "a.csv").out
+
+
 def test_one_recording_file_says_it_of_many(tmp_path, monkeypatch):
     """Counts with a gain: as the same recordings in units of their own."""
     monkeypatch.chdir(tmp_path)

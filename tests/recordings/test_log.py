@@ -344,9 +344,19 @@ def test_a_stated_end_is_in_the_unit_of_rates_of_increments_too(tmp_path):
         assert log.channels["gyro_x"].kept_out.saturated == number
 
 
-@pytest.mark.parametrize(("size", "said"), [(1e3, "ms"), (1.0, "")])
-def test_stamps_that_come_seldom_may_be_in_another_unit(tmp_path, size, said):
-    """Of 200 Hz in ms under a head of seconds: every 5 s."""
-    rows = np.stack([np.arange(500) * 0.005 * size, short_log()[:500, 1]], axis=1)
+@pytest.mark.parametrize(
+    ("interval", "n", "said"),
+    [
+        (5.0, 500, "ms"),  # of 200 Hz in ms under a head of seconds
+        (5e-3, 500, ""),
+        (1.0, 500, ""),  # 1 Hz
+        (0.5, 500, ""),
+        (1.0, 172_801, "ms"),  # of 1 kHz for three minutes, or of 1 Hz for two days
+    ],
+)
+def test_stamps_that_come_seldom_may_be_in_another_unit(tmp_path, interval, n, said):
+    """Below 1 Hz, or of days: of a slow recording nothing is said."""
+    values = np.resize(short_log()[:500, 1], n)
+    rows = np.stack([np.arange(n) * interval, values], axis=1)
     path = write(tmp_path / "a.csv", rows, heads=("time [s]", HEADS[1]))
     assert read(path).likely_unit == said

@@ -14,7 +14,9 @@ from scipy.stats import chi2, norm
 
 from budget.errors import CallError, SpecError
 from budget.inputs import load_device, load_procedure
+from budget.names import BETWEEN, DERIVED
 from budget.recordings.columns import LIKE
+from budget.recordings.history import history
 from budget.recordings.lot import lot_of
 from budget.recordings.results import (
     change_between,
@@ -73,6 +75,58 @@ def test_another_unit_has_moved_and_the_same_has_not(folder):
     assert_allclose(one.p, 2.0 * norm.sf(abs(one.z)), rtol=1e-9)
     assert found.level == 0.05 / len(found.parameters)
     assert not found.looks_like
+
+
+def test_what_is_derived_is_not_counted(folder):
+    """Of 24 estimated parameters, as rotations and the like are sums of them."""
+    found = change(folder, "a", "other")
+    derived = [one for one in found.parameters if one.is_derived]
+    assert len(found.parameters) - len(derived) == 24
+    assert {x.parameter for x in derived} == {*DERIVED, *BETWEEN}
+    assert not any(one.is_derived for one in found.moved)
+    said = call("diff", *(str(folder / f"{x}.json") for x in ("a", "other"))).out
+    assert f"{len(found.moved)} of 24 estimated parameters moved beyond" in said
+    more = sum(one.standing == "moved" for one in derived)
+    assert f"Derived of them, {more} of 15 moved" in said
+
+
+def test_what_some_results_lack_is_named_with_them(folder, tmp_path):
+    """Of two, in time and of a lot: left out, and said with the file."""
+    paths = [*units(folder, 1.0, n=3)]
+    for k, lost in ((1, ("gyro", "bias")), (2, ("gyro", "scale_factor"))):
+        made = json.loads(paths[k].read_text(encoding="utf-8"))
+        kept = [
+            i
+            for i, one in enumerate(made["outputs"])
+            if (one["sensor"], one["parameter"]) != lost
+            or (k == 2 and one["axis"] != "y")
+        ]
+        made["outputs"] = [made["outputs"][i] for i in kept]
+        rows = made["covariance"]
+        made["covariance"] = [[rows[i][j] for j in kept] for i in kept]
+        paths[k].write_text(json.dumps(made, indent=1), encoding="utf-8")
+    whole, biased, scaled = map(read_result, paths)
+    found = lot_of(load_device(MEMS), [whole, biased, scaled])
+    said = (
+        f"not in {paths[1].name}, and so left out: gyro bias",
+        f"not in {paths[2].name}, and so left out: gyro scale factor y",
+    )
+    assert len(found.parameters) == 20
+    assert {*map(str, found.warnings)} == {*said}
+    of_two = change_between(whole, biased, None)
+    assert said[0] in map(str, of_two.warnings)
+    for k, path in enumerate(paths):
+        made = json.loads(path.read_text(encoding="utf-8"))
+        made |= {"serial": "7", "date": f"2026-0{k + 1}-01"}
+        made["inputs"]["recording"]["sha256"] = str(k) * 64
+        (tmp_path / path.name).write_text(json.dumps(made), encoding="utf-8")
+    in_time = history(tmp_path)
+    assert len(in_time.parameters) == 20
+    assert {*said} <= {*map(str, in_time.warnings)}
+    # A data sheet that knows nothing of a sensor is a file that lacks it.
+    half = {key: MEMS[key] for key in MEMS if key != "accelerometer"}
+    found = lot_of(load_device(half), [whole, biased])
+    assert any("accelerometer bias" in str(one) for one in found.warnings)
 
 
 def test_a_change_of_the_size_of_a_mistake_is_named(folder):
