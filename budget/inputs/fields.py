@@ -577,6 +577,7 @@ class Keyed:
     rows: ClassVar[Rows] = {}
     rules: ClassVar[Rules] = ()
     every_rule: ClassVar[Rules] = ()  # before those of its bases, from the last on
+    strangers: ClassVar[Mapping[str, str]] = {}  # keys of others, and what to do
     given: frozenset[str]
     if TYPE_CHECKING:
 
@@ -683,7 +684,8 @@ class KeyTable:
             if any(key in one.rows for one in row.kind.tables)
         ]
         inside = f"; it stands under {owners[0]!r}" if len(owners) == 1 else ""
-        hint = slip(key, allowed) or inside
+        strange = getattr(self.record, "strangers", {}).get(key, "")
+        hint = strange or slip(key, allowed) or inside
         return f"unknown key {describe(key)}, allowed: {', '.join(allowed)}{hint}"
 
     def schema(self, tables: Schemas) -> Schema:

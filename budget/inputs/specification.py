@@ -150,6 +150,11 @@ class SpecificationValue(Keyed):
     of_sensor: ClassVar[Mapping[str, Rows]] = {}
     besides: ClassVar[str] = ""
 
+    strangers: ClassVar[Mapping[str, str]] = {
+        FEW: "; they are of errors that add to a result (JCGM 100, G.4), and by this "
+        "others are multiplied, or it is calibrated away: state a value that covers "
+        "what it is known to"
+    }
     rows: ClassVar[Rows] = {  # value and distribution: of its own kind, below
         "value": KeyRow(OWN),
         "meaning": KeyRow(

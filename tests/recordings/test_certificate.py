@@ -376,3 +376,14 @@ def test_degrees_of_freedom_of_the_station_are_carried(folder):
     page = unescape((folder / "a.html").read_text(encoding="utf-8"))
     assert "issued 20" in page
     assert "station.mount: x 30 arcsec" not in page.split('type="application/json"')[0]
+
+
+def test_degrees_of_freedom_of_an_environment_are_refused_in_a_sentence(folder):
+    """By the level of it others are multiplied: there they have no place in the law."""
+    (folder / "table.yaml").write_text(
+        "name: table\nenvironment:\n  temperature: {sigma: {value: 1 degC, "
+        "degrees_of_freedom: 6}, correlation_time: 100 s}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(SpecError, match="by this others are multiplied"):
+        calibrate("run.csv", procedure=SIX, device="mems.yaml", station="table.yaml")
