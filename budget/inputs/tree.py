@@ -238,6 +238,11 @@ def flow(value: object, text: Callable[[Any], str] = str) -> str:
     return text(value)
 
 
+def visible(text: str) -> str:
+    """Write what cannot be seen as escapes."""
+    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
+
+
 def quoted(value: object) -> str:
     """Quote a text as YAML 1.2 and JSON both do; raises as `json.dumps`."""
     return json.dumps(value, ensure_ascii=False, allow_nan=False)

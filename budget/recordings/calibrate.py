@@ -217,6 +217,8 @@ def calibrate(
     """
     if not runs:
         raise CallError("no run is given; name the file of one")
+    if not serial.isprintable():
+        raise CallError(f"serial is {serial!r}, expected a text of one line")
     how = inputs.calibrated()
     if how.formulas in UNCALIBRATED:
         raise CallError(f"{how.name} is no test of which a run could be recorded")

@@ -6,6 +6,7 @@ import re
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
+from budget.inputs.tree import visible
 from budget.language import ENGLISH, speaking
 from budget.report.pages import line, sections, texts
 from budget.report.tables import print_given
@@ -87,7 +88,7 @@ def _comments(
         row
         for text in texts
         for row in wrap(
-            _ORDERS.sub(r"\1 ", _printable(" ".join(text.split()))),
+            _ORDERS.sub(r"\1 ", visible(" ".join(text.split()))),
             WIDTH - len(indent) - len(sign) - 1,
             subsequent_indent="    ",
             break_on_hyphens=False,
@@ -102,11 +103,6 @@ def _comments(
         *(f"{indent}  {row}" for row in inside),
         f"{indent}{CLOSE}",
     ]
-
-
-def _printable(text: str) -> str:
-    """Write what cannot be seen as escapes."""
-    return "".join(one if one.isprintable() else ascii(one)[1:-1] for one in text)
 
 
 def remarks(found: Export) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import CallError
 from budget.inputs.device import read_device
 from budget.inputs.reader import parse
-from budget.inputs.tree import block, flow, quoted
+from budget.inputs.tree import block, flow, quoted, visible
 from budget.names import AXES, Name
 from budget.recordings.characterise import (
     CHANGE,
@@ -195,10 +195,10 @@ def measured_yaml(found: Characterisation, *, name: str = "") -> str:
             f"{found.title} is in counts, of which no device file can be; give a "
             "recording file (.yaml) with gain, as 'gain: {gyro: 16.4 counts/(deg/s)}'"
         )
-    names = ", ".join(dict.fromkeys(one.name for one in found.inputs))
+    names = visible(", ".join(dict.fromkeys(one.name for one in found.inputs)))
     notes = [
         f"Recorded at rest: {names}; by budget {__version__} characterise.",
-        *(str(text) for text in found.warnings),
+        *(visible(str(text)) for text in found.warnings),
         *(
             f"{title_of(f'{one.sensor}_{one.axis}')}: {one.why}"
             for one in found.lines
@@ -207,7 +207,7 @@ def measured_yaml(found: Characterisation, *, name: str = "") -> str:
     ]
     entries: list[tuple[str, str | list[tuple[str, str]]]] = [
         ("format", "budget-device/1"),
-        ("name", quoted((name or found.title)[:MOST_TEXT])),
+        ("name", quoted(visible(name or found.title)[:MOST_TEXT])),
         ("source", quoted(f"recorded: {names}"[:MOST_TEXT])),
         ("notes", quoted("\n".join(notes)[:MOST_NOTES])),
     ]

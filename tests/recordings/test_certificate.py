@@ -206,6 +206,14 @@ def test_an_environment_that_cannot_be_is_refused(folder, line, said):
         load_recording("lab.yaml")
 
 
+def test_a_serial_number_is_a_text_of_one_line(folder):
+    """One that no result could be read back with is refused."""
+    failed = call(*words("--serial", "7\n", "--json", "a.json"))
+    assert failed.code == 2
+    assert "expected a text of one line" in failed.err
+    assert not (folder / "a.json").exists()
+
+
 def test_what_nobody_stated_is_said_so(folder):
     """Environment, dates, serial number and station stand on every certificate."""
     assert call(*words("-o", "a.html")).code == 0

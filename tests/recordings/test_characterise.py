@@ -364,6 +364,15 @@ def test_white_noise_that_blocks_do_not_show_is_of_short_times(tmp_path):
 
 
 @pytest.mark.slow
+def test_a_device_file_of_a_hostile_name_is_read_back(tmp_path, monkeypatch):
+    """What cannot be seen of a name stands there as an escape."""
+    monkeypatch.chdir(tmp_path)
+    log = write(tmp_path / "a\n\x1b[31m{b} %s.csv", short_log())
+    assert call("characterise", log.name, "-o", "d\n.yaml").code == 0
+    device = load_device("d\n.yaml")
+    assert device.name == "d\\n"
+
+
 def test_day_and_environment_are_said_and_move_no_number(tmp_path, monkeypatch):
     """On terminal, page and JSON, as of a calibration; what nobody said as such."""
     monkeypatch.chdir(tmp_path)
