@@ -97,6 +97,10 @@ class CalibrationResult:
         Whether uncertainties are lower bounds.
     recordings : frozenset of str
         SHA-256 of the recordings of the run; empty where none is named.
+    has_device : bool
+        Whether uncertainties are of a data sheet, not of the scatter.
+    has_station : bool
+        Whether what is not known of table and place is among them.
     """
 
     name: str
@@ -114,6 +118,8 @@ class CalibrationResult:
     covariance: Array
     is_bound: bool = False
     recordings: frozenset[str] = frozenset()
+    has_device: bool = False
+    has_station: bool = False
 
 
 def is_result(name: File) -> bool:
@@ -282,6 +288,8 @@ class _Said:
             is_sound=is_sound,
             is_bound=document.get("lower_bound") is True,
             recordings=frozenset(recordings),
+            has_device=isinstance(inputs, dict) and "device" in inputs,
+            has_station=bool(document.get("station")),
             keys=tuple(keys),
             units=tuple(unit for _, unit, *_ in read),
             values=np.array([value for *_, value, _, _ in read]),

@@ -94,8 +94,19 @@ def input_files(
             input_file(f"device{number.format(place)}", device)
             for place, device in enumerate(devices, start=1)
         ),
+        *results_of(devices),
         *(input_file(role, file) for role, file in files.items() if file is not None),
         *named_files([*files.values()]),
+    )
+
+
+def results_of(devices: Sequence[Device]) -> tuple[InputFile, ...]:
+    """Return the results of recorded calibrations that stand for predictions."""
+    every = (one.measured for one in devices)
+    return tuple(
+        InputFile(role="measured", name=one.file, sha256=one.sha256)
+        for one in every
+        if one is not None
     )
 
 
