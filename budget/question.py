@@ -766,12 +766,17 @@ def with_results(
 
     Raises as measured_units.
     """
+    if results and len(devices) > 1:
+        raise CallError(
+            f"a result is of one device, found {len(devices)}; put both triads in one "
+            "device file, and calibrate with it"
+        )
+    if len(results) > 1:
+        raise CallError(
+            "several results are of one device; give one, or `budget compare` them"
+        )
     units = measured_units(devices, results, (procedure,))
     known = {id(sheet): unit for sheet, unit in units}
-    if len(known) < len(units):
-        raise CallError(
-            "two results are of one device; give one, or `budget compare` them"
-        )
     return tuple(known.get(id(one), one) for one in devices)
 
 

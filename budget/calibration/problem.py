@@ -123,7 +123,7 @@ def calibration_problem(
     members = made if made and only is None else None
     members = members or structure.members(frame.statistics, only=only)
     measured = next((one.measured for one in sensors if one.measured), None)
-    if measured is not None:
+    if measured is not None and measured.procedure == procedure.name:
         return _of_unit(measured, members, frame, only)
     return Problem(
         groups=tuple(group for _, group in members),
@@ -132,14 +132,22 @@ def calibration_problem(
     )
 
 
-def is_replaced(owner: str, given: Given, *, has_station: bool) -> bool:
-    """Whether a source acts by the readings of the test alone, and was measured.
+def is_by_readings(owner: str, given: Given, *, has_station: bool) -> bool:
+    """Whether a source acts by the readings of the test alone, so that it is measured.
 
     Noise does, and with `has_station` disturbances from outside the unit.
     """
     effect = source_of(owner, given.name).meant(given).effect
     is_outside = isinstance(effect, Disturbance) and owner not in SENSORS
     return isinstance(effect, Noise) or (has_station and is_outside)
+
+
+def _is_replaced(row: _Row, measured: MeasuredParameters) -> bool:
+    """Whether what was measured stands for a source: not for one it knew nothing of."""
+    known = measured.noise
+    if known is not None and row.owner in SENSORS:
+        return Name(row.given.name, owner=row.owner) in known
+    return is_by_readings(row.owner, row.given, has_station=measured.has_station)
 
 
 def _of_unit(
@@ -149,10 +157,9 @@ def _of_unit(
     only: frozenset[str] | None,
 ) -> Problem:
     """Return a Problem whose noise and table are what was measured of one unit."""
-    has_station = measured.has_station
     groups = [
         replace(group, covariance=np.zeros_like(group.covariance), scales=())
-        if is_replaced(row.owner, row.given, has_station=has_station)
+        if _is_replaced(row, measured)
         else group
         for row, group in members
     ]

@@ -136,6 +136,8 @@ class MeasuredParameters:
         unit put into the test, which its lines have [SI squared].
     degrees_of_freedom : ndarray, shape (n,)
         [1]; inf where it is known.
+    noise : frozenset of Name or None
+        Lines of noise that are among it; None: all there are, as by a scatter.
     has_station : bool
         Whether errors of table and place are among it; else those of the procedure
         come on top.
@@ -148,6 +150,7 @@ class MeasuredParameters:
     names: tuple[Name, ...]
     covariance: Array
     degrees_of_freedom: Array
+    noise: frozenset[Name] | None
     has_station: bool
     file: str
     sha256: str
@@ -298,6 +301,8 @@ class Device(Shown):
     notes: str = ""
     # Reads the same file again with changes, where it was read from one.
     read_again: Callable[[Changes], Device] | None = field(default=None, repr=False)
+    # Reads it without any.
+    read_plain: Callable[[], Device] | None = field(default=None, repr=False)
 
     def replace(self, changes: Changes) -> Device:
         """Return what the same file gives with other values, each of them named.

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import calibration_problem, is_replaced
+from budget.calibration.problem import calibration_problem, is_by_readings
 from budget.calibration.schemes import calibrates, estimated
 from budget.errors import CallError
 from budget.inputs.records import CHANGED, MeasuredParameters
 from budget.methods.gum import covariance_by_source, derivatives
+from budget.missing.expected import expecting_device
 from budget.model.source import SENSORS
 from budget.names import Name
 from budget.recordings.columns import COUNTS
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.changes import Changes
     from budget.inputs.files import File
-    from budget.inputs.records import Device, Procedure
+    from budget.inputs.records import Device, Procedure, Sensor
     from budget.recordings.results import CalibrationResult
 
 AS_TESTED = "as_tested"
@@ -131,12 +132,14 @@ def measured_unit(
             f"{where} is of a run that was not sound (is_sound: false), whose values "
             "nobody should correct by; find what went wrong and calibrate again"
         )
-    triads = tuple(one for one in device.sensors if calibrates(one.kind, procedure))
-    if result.is_bound and not any(one.expected_missing for one in triads):
+    sheet = _sheet_of(device, result)
+    _check_files(device, result, procedure)
+    triads = tuple(one for one in sheet.sensors if calibrates(one.kind, procedure))
+    lacks = expecting_device(sheet, procedure, AS_TESTED).sensors
+    if result.is_bound and not any(one.expected_missing for one in lacks):
         raise CallError(
-            f"{where} has lower bounds of its uncertainties (lower_bound: true), as "
-            f"the data sheet that it was calibrated with lacks what {device.name} "
-            "gives; calibrate again with --device of that one"
+            f"{where} has lower bounds of its uncertainties (lower_bound: true), and "
+            f"{device.name} lacks nothing that would add to them; calibrate again"
         )
     names = [x for one in triads for x in estimated(one.kind, procedure)]
     places = [_place(result, name) for name in names]
@@ -156,11 +159,12 @@ def measured_unit(
     sizes = np.array([_size(result, k) for k in rows])
     C = result.covariance[np.ix_(rows, rows)] * np.outer(sizes, sizes)
     if result.has_device:
-        C = _without(C, _by_constants(device, procedure, names))
+        C = _without(C, _by_constants(sheet, procedure, names))
     measured = MeasuredParameters(
         names=tuple(names),
         covariance=C,
         degrees_of_freedom=result.degrees_of_freedom[rows],
+        noise=_noise_of(triads) if result.has_device else None,
         has_station=result.has_device and result.has_station,
         file=where,
         sha256=result.sha256,
@@ -179,6 +183,39 @@ def measured_unit(
     )
     unit = f"unit {result.serial}" if result.serial else where
     return _measured(device, measured, name=f"{device.name} ({unit})", said=said)
+
+
+def _sheet_of(device: Device, result: CalibrationResult) -> Device:
+    """Return the data sheet as it was calibrated with, without changes made since."""
+    own = [one.to_dict() for one in device.origin.changes]
+    told = [*result.changes]
+    if not result.has_device or told == own or not own:
+        plain = device
+    else:
+        plain = device if device.read_plain is None else device.read_plain()
+    if result.has_device and told != [one.to_dict() for one in plain.origin.changes]:
+        raise CallError(
+            f"{result.name} was calibrated with values laid over the device file "
+            f"(--set), and {device.name} has others; give the same, or calibrate again"
+        )
+    return plain
+
+
+def _check_files(
+    device: Device, result: CalibrationResult, procedure: Procedure
+) -> None:
+    """Refuse a result of another version of a file, or of another table."""
+    files = {"procedure": procedure.origin}
+    if result.has_device:
+        files["device"] = device.origin
+    if result.has_station and procedure.station_origin is not None:
+        files["station"] = procedure.station_origin
+    for role, origin in files.items():
+        if result.files.get(role) != origin.sha256:
+            raise CallError(
+                f"{result.name} was calibrated with another {role} than {origin.file} "
+                "is now (SHA-256); give that file, or calibrate again"
+            )
 
 
 def _size(result: CalibrationResult, k: int) -> float:
@@ -238,18 +275,23 @@ def _by_constants(device: Device, procedure: Procedure, names: Sequence[Name]) -
         sensors, procedure, reference=AS_TESTED, outputs=tuple(names)
     )
     each = covariance_by_source(problem, derivatives(problem))
-    noise = {
-        Name(line.name, owner=one.kind)
-        for one in sensors
-        for line in one.lines
-        if is_replaced(one.kind, line, has_station=True)
-    }
+    noise = _noise_of(sensors)
     owned = [
         each[g]
         for g, group in enumerate(problem.groups)
         if group.name.owner in SENSORS and group.name not in noise
     ]
     return np.asarray(sum(owned, np.zeros(each.shape[1:])))
+
+
+def _noise_of(sensors: Sequence[Sensor]) -> frozenset[Name]:
+    """Return the lines of triads that act by the readings of a test alone."""
+    return frozenset(
+        Name(line.name, owner=one.kind)
+        for one in sensors
+        for line in one.lines
+        if is_by_readings(one.kind, line, has_station=True)
+    )
 
 
 def _without(C: Array, part: Array) -> Array:

@@ -102,11 +102,13 @@ def input_files(
 
 def results_of(devices: Sequence[Device]) -> tuple[InputFile, ...]:
     """Return the results of recorded calibrations that stand for predictions."""
-    every = (one.measured for one in devices)
+    every = [one.measured for one in devices if one.measured is not None]
+    number = " {}" if len(every) > 1 else ""
     return tuple(
-        InputFile(role="measured", name=one.file, sha256=one.sha256)
-        for one in every
-        if one is not None
+        InputFile(
+            role=f"measured{number.format(place)}", name=one.file, sha256=one.sha256
+        )
+        for place, one in enumerate(every, start=1)
     )
 
 
