@@ -39,7 +39,7 @@ from budget.calibration.mission import (
     mission_outputs,
 )
 from budget.calibration.mission import REFERENCE as ON_MISSION
-from budget.calibration.problem import calibration_problem
+from budget.calibration.problem import MEASURED, calibration_problem
 from budget.calibration.schemes import (
     calibrates,
     initial_lines,
@@ -53,6 +53,7 @@ from budget.inputs import (
 )
 from budget.inputs.mission import MOST_TIMES
 from budget.inputs.records import JOINT, UNCALIBRATED, Device
+from budget.inputs.station import of_run
 from budget.inputs.use import in_use
 from budget.methods.gum import propagate, propagate_together
 from budget.missing import REFUSE, Filling, fill_all
@@ -80,6 +81,7 @@ from budget.names import (
     meant,
     time_text,
 )
+from budget.recordings.measured_unit import measured_units
 from budget.settings import Asked, Inputs, check
 from budget.units import parse_quantity
 
@@ -264,6 +266,8 @@ class Question:
             is_same = on_mission is how
             on_mission = None if is_same else in_use(on_mission, requirement, mission)
         how = in_use(how, requirement, mission)
+        if any(one.measured and one.measured.has_station for one in devices):
+            how = of_run(how)
         if is_carried and outputs:
             raise CallError(
                 "outputs and matrices are of a calibration, and this is of a mission, "
@@ -327,9 +331,10 @@ class Question:
             )
         asked = Asked() if asked is None else asked
         named = asked.settle()
+        how = inputs.calibrated(mission=route, requirement=wanted)
         return cls.of(
-            *load_devices(devices),
-            procedure=inputs.calibrated(mission=route, requirement=wanted),
+            *with_results(load_devices(devices), inputs.measured, how),
+            procedure=how,
             requirement=wanted,
             mission=route,
             carried_to=None
@@ -368,6 +373,8 @@ class Question:
             refuse_unjudged(requirement, mission, how)
         for how in (in_use(one, requirement, mission) for one in procedures):
             for place, device in enumerate(devices):
+                if device.measured and device.measured.procedure != how.name:
+                    continue  # it says nothing of what another one leaves
                 kinds = [sensor.kind for sensor in device.sensors]
                 on = [None] * any(calibrates(kind, how) for kind in kinds)
                 is_whole = len(kinds) == len(SENSORS)
@@ -750,6 +757,27 @@ def question_of(budget: Budget) -> Question:
         f"{type(budget).__name__} does not say what it is a budget of; give what "
         "budget.analyze returns"
     )
+
+
+def with_results(
+    devices: Sequence[Device], results: Sequence[File], procedure: Procedure
+) -> tuple[Device, ...]:
+    """Return devices, those that results are of as the units that were measured.
+
+    Raises as measured_units.
+    """
+    if results and len(devices) > 1:
+        raise CallError(
+            f"a result is of one device, found {len(devices)}; put both triads in one "
+            "device file, and calibrate with it"
+        )
+    if len(results) > 1:
+        raise CallError(
+            "several results are of one device; give one, or `budget compare` them"
+        )
+    units = measured_units(devices, results, (procedure,))
+    known = {id(sheet): unit for sheet, unit in units}
+    return tuple(known.get(id(one), one) for one in devices)
 
 
 def sensors_of(
@@ -1161,5 +1189,6 @@ def choose_sources(question: Question, only: Sequence[str]) -> frozenset[Name] |
             if is_known or source_of(name.owner, name.quantity).varies
         ),
         *lines_of_mission(question.journey),
+        *([MEASURED] if any(one.measured for one in question.devices) else ()),
     )
     return frozenset(find_sources(only, known, option="--only"))

@@ -761,6 +761,24 @@ class Inputs(Use):
         metavar="FILE",
         takes="procedure",
     )
+    measured: Sequence[File] = setting(
+        (),
+        "Result of a recorded calibration (calibrate --json) of a unit of DEVICE, in "
+        "the place of what is predicted of --procedure.",
+        "analyze mission report compare export",
+        said="Results of recorded calibrations (calibrate --json) of units of the "
+        "devices, in the place of what is predicted of the procedure.",
+        at={
+            "compare": {
+                "help": "Result of a recorded calibration (calibrate --json) of a unit "
+                "of a DEVICE, as one more candidate."
+            }
+        },
+        panel=USED,
+        metavar="FILE.json",
+        takes="result",
+        several=True,
+    )
     procedures: Sequence[Procedure | File] = setting(
         (),
         "Procedure file (the paper's).",
@@ -838,7 +856,7 @@ class Inputs(Use):
         given = [
             getattr(self, name)
             for name, row in every_row(Inputs).items()
-            if row.takes in FILES
+            if row.takes in {*FILES, "result"}
         ]
         return [
             one

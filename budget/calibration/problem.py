@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.derived import combination
+from budget.calibration.derived import combination, parts_of
 from budget.calibration.schemes import (
     answered,
     estimated,
@@ -55,12 +55,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from budget.arrays import Array
-    from budget.inputs.records import Procedure, Sensor
+    from budget.inputs.records import MeasuredParameters, Procedure, Sensor
     from budget.model.response import Errors
     from budget.model.scheme import Scheme
     from budget.model.source import Act, Gains, Given, Source
     from budget.problem import Function
 
+MEASURED = Name("result", owner="calibration")  # what was measured of a unit
 REFERENCES = ("nominal", "as_tested", "next_turn_on")
 BIAS_UNITS = {"gyro": ("deg/h", DEG_PER_HOUR), "accelerometer": ("ug", MICRO_G)}
 
@@ -121,11 +122,99 @@ def calibration_problem(
     made = vars(structure).pop("made", None)
     members = made if made and only is None else None
     members = members or structure.members(frame.statistics, only=only)
+    measured = next((one.measured for one in sensors if one.measured), None)
+    if measured is not None and measured.procedure == procedure.name:
+        return _of_unit(measured, members, frame, only)
     return Problem(
         groups=tuple(group for _, group in members),
         outputs=frame.outputs,
         function=frame.function,
     )
+
+
+def is_by_readings(owner: str, given: Given, *, has_station: bool) -> bool:
+    """Whether a source acts by the readings of the test alone, so that it is measured.
+
+    Noise does, and with `has_station` disturbances from outside the unit.
+    """
+    effect = source_of(owner, given.name).meant(given).effect
+    is_outside = isinstance(effect, Disturbance) and owner not in SENSORS
+    return isinstance(effect, Noise) or (has_station and is_outside)
+
+
+def _is_replaced(row: _Row, measured: MeasuredParameters) -> bool:
+    """Whether what was measured stands for a source: not for one it knew nothing of."""
+    known = measured.noise
+    if known is not None and row.owner in SENSORS:
+        return Name(row.given.name, owner=row.owner) in known
+    return is_by_readings(row.owner, row.given, has_station=measured.has_station)
+
+
+def _of_unit(
+    measured: MeasuredParameters,
+    members: Sequence[tuple[_Row, Group]],
+    frame: _Frame,
+    only: frozenset[str] | None,
+) -> Problem:
+    """Return a Problem whose noise and table are what was measured of one unit."""
+    groups = [
+        replace(group, covariance=np.zeros_like(group.covariance), scales=())
+        if _is_replaced(row, measured)
+        else group
+        for row, group in members
+    ]
+    nu = measured.degrees_of_freedom
+    n = len(measured.names)
+    counts = only is None or MEASURED in only
+    own = Group(
+        name=MEASURED,
+        mean=np.zeros(n),
+        covariance=measured.covariance * counts,
+        distributions=(NORMAL,) * n,
+        scales=tuple(
+            CommonScale(degrees_of_freedom=v, rows=tuple(np.flatnonzero(nu == v)))
+            for v in sorted({*nu[np.isfinite(nu)].tolist()})
+        ),
+    )
+    places = {name: place for place, name in enumerate(measured.names)}
+    shares = np.zeros((len(frame.outputs), n))
+    for row, output in enumerate(frame.outputs):
+        for part, factor in parts_of(output.name).items():
+            if part in places:
+                shares[row, places[part]] = factor
+    return Problem(
+        groups=(*groups, own),
+        outputs=frame.outputs,
+        function=OfUnit(
+            predicted=frame.function,
+            rows=arguments((*groups, own))[-1],
+            shares=shares,
+        ),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OfUnit:
+    """Errors by what is predicted, and those that were measured.
+
+    Attributes
+    ----------
+    predicted : callable
+        Of the rows before.
+    rows : slice
+        Of the argument, that are errors of parameters.
+    shares : ndarray, shape (n_outputs, n_rows)
+        What each output takes of them [1].
+    """
+
+    predicted: Function
+    rows: slice
+    shares: Array
+
+    def __call__(self, argument: Array) -> Array:
+        """Return all outputs, shape (n_outputs, trials) [SI]."""
+        found = self.predicted(argument[: self.rows.start])
+        return np.asarray(found + self.shares @ argument[self.rows])
 
 
 def retimed(

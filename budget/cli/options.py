@@ -295,7 +295,7 @@ _COMPLETE = {
     "source": complete_source,
     "output": complete_output,
 }
-_PATHS = ("recording", "page", "folder", "document")
+_PATHS = ("recording", "result", "page", "folder", "document")
 _TYPES = {"int": int, "bool": bool}
 
 

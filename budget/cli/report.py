@@ -79,6 +79,11 @@ def report(
 
     date = document_date()
     check_files(out, inputs, devices, more=compare or ())
+    if allocate and inputs.measured:
+        raise CallError(
+            "--allocate shares out limits among the specifications of a data sheet, "
+            "and --measured is of one unit of it; leave one of them out"
+        )
     _check_extras(
         inputs, allocate=allocate, compare=bool(compare), only=bool(asked.only)
     )
@@ -161,10 +166,11 @@ def _asked(devices: tuple[Device, ...], inputs: Inputs, asked: Asked) -> Questio
     or as it was made: these have no budget of a calibration.
     """
     from budget.inputs.records import UNCALIBRATED
-    from budget.question import Question
+    from budget.question import Question, with_results
 
     wanted, route, settings = inputs.required, inputs.journey, asked.settle()
     own = inputs.calibrated(mission=route, requirement=wanted)
+    devices = with_results(devices, inputs.measured, own)
     is_tested = route is None or own.formulas not in UNCALIBRATED
     paper = replace(inputs, calibration=None, procedure=None)
     question = Question.of(

@@ -175,7 +175,11 @@ def _read(
         kept = _kept(same.content or b"", document.file, document.base_name, variant)
         device = _copied(kept)
     texts = tuple(change.text for change in own)
-    return replace(device, read_again=partial(_read_again, same, texts))
+    return replace(
+        device,
+        read_again=partial(_read_again, same, texts),
+        read_plain=partial(_read_again, same, (), ()),
+    )
 
 
 # A run reads a device more than once too (see reader.parse), and to check a data sheet

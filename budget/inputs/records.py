@@ -123,6 +123,43 @@ class UnusedValue:
     source: str = ""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredParameters:
+    """What a recorded calibration of one unit leaves of its parameters.
+
+    Attributes
+    ----------
+    names : tuple of Name
+        Parameters of all its triads.
+    covariance : ndarray, shape (n, n)
+        Of what noise, table and place of that run left, without what constants of the
+        unit put into the test, which its lines have [SI squared].
+    degrees_of_freedom : ndarray, shape (n,)
+        [1]; inf where it is known.
+    noise : frozenset of Name or None
+        Lines of noise that are among it; None: all there are, as by a scatter.
+    has_station : bool
+        Whether errors of table and place are among it; else those of the procedure
+        come on top.
+    file, sha256, serial, date, procedure : str
+        Of the result; '' where it does not say.
+    is_told : bool
+        Whether the run is known to have been sound.
+    """
+
+    names: tuple[Name, ...]
+    covariance: Array
+    degrees_of_freedom: Array
+    noise: frozenset[Name] | None
+    has_station: bool
+    file: str
+    sha256: str
+    serial: str
+    date: str
+    procedure: str
+    is_told: bool
+
+
 @written(
     "sensor",
     """
@@ -165,6 +202,8 @@ class Sensor:
         where it is not given.
     range_printed : str
         As the file gives it, for people: '±400 °/s (saturates at ±480 °/s)'.
+    measured : MeasuredParameters or None
+        What stands for the predicted uncertainty of a calibration of this one unit.
     """
 
     kind: str
@@ -179,6 +218,7 @@ class Sensor:
     initial: tuple[ErrorLine, ...] = ()
     range: Array | None = None
     range_printed: str = ""
+    measured: MeasuredParameters | None = None
 
     @classmethod
     def bare(cls, kind: str) -> Self:
@@ -261,6 +301,8 @@ class Device(Shown):
     notes: str = ""
     # Reads the same file again with changes, where it was read from one.
     read_again: Callable[[Changes], Device] | None = field(default=None, repr=False)
+    # Reads it without any.
+    read_plain: Callable[[], Device] | None = field(default=None, repr=False)
 
     def replace(self, changes: Changes) -> Device:
         """Return what the same file gives with other values, each of them named.
@@ -293,6 +335,11 @@ class Device(Shown):
             for one in (self.gyro, self.accelerometer)
             if one is not None and one.range_printed
         )
+
+    @property
+    def measured(self) -> MeasuredParameters | None:
+        """What was measured of this one unit; None of a data sheet."""
+        return next((one.measured for one in self.sensors if one.measured), None)
 
     @property
     def as_printed(self) -> str:

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from budget.units import Quantity
 
 IDEAL = note("station: not given, an ideal one assumed")
+OF_RUN = note("station: that of the recorded calibration")
 LONGEST_NAME = 200  # of a file
 MOST_POINTS = 100  # of soaks in one test
 POINTS = "times from the start of a triad's test at which another one begins"
@@ -330,6 +331,19 @@ def station_file(document: YamlFile) -> NamedFile:
         )
         raise document.refuse(((STATION,), message))
     return file
+
+
+def of_run(procedure: Procedure) -> Procedure:
+    """Return a procedure whose table and place a recorded calibration has counted."""
+    own = {line.name: line for line in procedure.environment if line.name in LINES}
+    left = tuple(text for text in procedure.assumptions if text != IDEAL)
+    return replace(
+        procedure,
+        station=(),
+        environment=tuple(own.values()),
+        station_origin=None,
+        assumptions=(*left, OF_RUN),
+    )
 
 
 def done_at(procedure: Procedure, station: Station, shown: str) -> Procedure:

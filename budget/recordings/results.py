@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from math import erfc, hypot, inf, sqrt
 from pathlib import PurePath
@@ -99,6 +99,14 @@ class CalibrationResult:
         Whether uncertainties are lower bounds.
     recordings : frozenset of str
         SHA-256 of the recordings of the run; empty where none is named.
+    has_device : bool
+        Whether uncertainties are of a data sheet, not of the scatter.
+    has_station : bool
+        Whether what is not known of table and place is among them.
+    files : mapping of str to str
+        SHA-256 of the files it was made with, by role; '' where it does not say.
+    changes : tuple of dict
+        What was laid over the device file.
     """
 
     name: str
@@ -116,6 +124,10 @@ class CalibrationResult:
     covariance: Array
     is_bound: bool = False
     recordings: frozenset[str] = frozenset()
+    has_device: bool = False
+    has_station: bool = False
+    files: Mapping[str, str] = field(default_factory=dict)
+    changes: tuple[Mapping[str, Any], ...] = ()
 
 
 def is_result(name: File) -> bool:
@@ -269,13 +281,17 @@ class _Said:
                         f"the root of its variance in covariance.{k}.{k}, {u[k]:g}",
                     )
         inputs = document.get("inputs", {})
-        recordings = {
-            str(one["sha256"])
-            for role, one in (inputs.items() if isinstance(inputs, dict) else ())
-            if role.startswith("recording")
-            and isinstance(one, dict)
-            and "sha256" in one
+        inputs = inputs if isinstance(inputs, dict) else {}
+        files = {
+            role: str(one.get("sha256", ""))
+            for role, one in inputs.items()
+            if isinstance(one, dict)
         }
+        recordings = {
+            digest for role, digest in files.items() if role.startswith("recording")
+        } - {""}
+        device = inputs.get("device")
+        changes = device.get("changes", []) if isinstance(device, dict) else []
         return CalibrationResult(
             name=name,
             sha256=sha256(data).hexdigest(),
@@ -284,6 +300,10 @@ class _Said:
             is_sound=is_sound,
             is_bound=document.get("lower_bound") is True,
             recordings=frozenset(recordings),
+            has_device="device" in inputs,
+            has_station=bool(document.get("station")),
+            files=files,
+            changes=tuple(changes) if isinstance(changes, list) else (changes,),
             keys=tuple(keys),
             units=tuple(unit for _, unit, *_ in read),
             values=np.array([value for *_, value, _, _ in read]),

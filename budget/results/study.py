@@ -94,8 +94,21 @@ def input_files(
             input_file(f"device{number.format(place)}", device)
             for place, device in enumerate(devices, start=1)
         ),
+        *results_of(devices),
         *(input_file(role, file) for role, file in files.items() if file is not None),
         *named_files([*files.values()]),
+    )
+
+
+def results_of(devices: Sequence[Device]) -> tuple[InputFile, ...]:
+    """Return the results of recorded calibrations that stand for predictions."""
+    every = [one.measured for one in devices if one.measured is not None]
+    number = " {}" if len(every) > 1 else ""
+    return tuple(
+        InputFile(
+            role=f"measured{number.format(place)}", name=one.file, sha256=one.sha256
+        )
+        for place, one in enumerate(every, start=1)
     )
 
 

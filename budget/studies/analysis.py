@@ -316,6 +316,11 @@ def _by_simulation(
             "--method simulation simulates the calibration, and a mission takes "
             "its noise in run besides; take gum or monte-carlo"
         )
+    if any(one.measured for one in question.devices):
+        raise CallError(
+            "--method simulation simulates the calibration that is predicted, and "
+            "--measured is of one that was done; take gum or monte-carlo"
+        )
     runs = SIMULATED_RUNS if settings.trials is None else settings.trials
     progress = engine.stage("simulated calibrations")
     columns = []

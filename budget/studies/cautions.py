@@ -61,6 +61,17 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
     )
 
 
+def about_results(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
+    """Say what results of recorded calibrations leave open."""
+    found = []
+    for one in dict.fromkeys(x.measured for x in devices if x.measured):
+        if not one.is_told:
+            found.append(sentence("measured_unit.untold", file=one.file))
+        if not (one.has_station or procedure.station):
+            found.append(sentence("measured_unit.no_table", file=one.file))
+    return tuple(found)
+
+
 def not_estimated(
     devices: Sequence[Device], procedure: Procedure, requirement: Requirement | None
 ) -> tuple[str, ...]:

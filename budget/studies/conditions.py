@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from budget.calibration.saturation import UNITS, needed_range
 from budget.calibration.schemes import calibrates, largest_of_test
 from budget.inputs.specification import time_of
-from budget.inputs.station import IDEAL
+from budget.inputs.station import IDEAL, OF_RUN
 from budget.inputs.use import STATED, stated_of
 from budget.missing import line_of, shipped_devices, usual_line
 from budget.missing.prediction import stand_in
@@ -250,4 +250,8 @@ def station_words(procedure: Procedure) -> str:
     """Say at which station: 'an ideal table', or the name of its file."""
     if procedure.station_origin is not None:
         return Path(procedure.station_origin.file).stem
-    return sentence("conditions.table", is_ideal=IDEAL in procedure.assumptions)
+    return sentence(
+        "conditions.table",
+        is_ideal=IDEAL in procedure.assumptions,
+        is_of_run=OF_RUN in procedure.assumptions,
+    )

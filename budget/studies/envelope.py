@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from budget.results import input_file, input_files
 from budget.studies.cautions import (
+    about_results,
     age_that_counts_not,
     not_calibrated,
     not_estimated,
@@ -62,6 +63,7 @@ def envelope(
             *(not_calibrated(question.devices, how) if of_test else ()),
             *(not_estimated(question.devices, how, wanted) if of_test else ()),
             *age_that_counts_not(how, question.reference),
+            *about_results(question.devices, how),
             *warned,
         ),
         "question": question,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import MEASURED
 from budget.documents import written
 from budget.model.sources import SENSORS, source_of
 from budget.names import IMU
@@ -52,6 +53,8 @@ class Coupling:
     @property
     def is_own(self) -> bool:
         """Whether the source is a spread of the parameter itself."""
+        if self.source == MEASURED:
+            return False
         own = source_of(self.source.owner, self.source.quantity).own
         return own == self.group.quantity
 

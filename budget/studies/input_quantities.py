@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from budget.calibration.problem import line_u_of_inputs
+from budget.calibration.problem import MEASURED, line_u_of_inputs
 from budget.inputs.specification import (
     ALLAN_MINIMUM,
     HALF_WIDTHS,
@@ -55,6 +55,7 @@ def input_quantities(question: Question) -> tuple[InputQuantity, ...]:
     return tuple(
         _quantity(group.name, lines[group.name], origins.get(group.name, ""))
         for group in question.problem.groups
+        if group.name != MEASURED  # which is no one quantity
     )
 
 
@@ -66,6 +67,8 @@ def sensitivities(question: Question) -> dict[Name, Sensitivity]:
     for group, rows, variance in zip(
         problem.groups, problem.slices, law.source_first_order, strict=True
     ):
+        if group.name == MEASURED:
+            continue
         line = lines[group.name]
         of_inputs = (
             line_u_of_inputs(group.name.owner, line, group)

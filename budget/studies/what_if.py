@@ -32,6 +32,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from budget.calibration.problem import MEASURED
 from budget.distributions import normal_coverage_factor
 from budget.documents import Documented, written
 from budget.errors import CallError
@@ -593,17 +594,7 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
             )
             for owner in owners
         ),
-        sources=tuple(
-            WhatIfSource(
-                name=name,
-                u=line.largest,
-                unit=line.unit,
-                si_per_unit=line.si_per_unit,
-                printed=line.printed,
-            )
-            for name in varying
-            for line in [question.lines[name]]
-        ),
+        sources=tuple(_source(question, name) for name in varying),
         outputs=outputs,
         coverage_factor=factor[rows],
         shift=shift[rows],
@@ -614,6 +605,23 @@ def _what_if(question: Question, budget: Budget | None) -> WhatIf:
         ),
         law=scaled.select([output.name for output in outputs]),
         added=np.zeros((3, len(outputs))),
+    )
+
+
+def _source(question: Question, name: Name) -> WhatIfSource:
+    """Return a source as its file gives it; what was measured by a factor alone."""
+    if name == MEASURED:
+        files = (one.measured.file for one in question.devices if one.measured)
+        return WhatIfSource(
+            name=name, u=1.0, unit="1", si_per_unit=1.0, printed=next(files)
+        )
+    line = question.lines[name]
+    return WhatIfSource(
+        name=name,
+        u=line.largest,
+        unit=line.unit,
+        si_per_unit=line.si_per_unit,
+        printed=line.printed,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from budget.calibration.problem import MEASURED
 from budget.inputs.records import UNCALIBRATED
 from budget.model.sources import DEVICE, SHARED, TURN_ON, source_of
 from budget.names import MISSION
@@ -232,7 +233,9 @@ def _view(budget: Budget) -> dict[str, object]:
         "bought": bought(budget, moments),
         "tested": len(budget.bought) > len(UNCALIBRATED),
         "because": because,
-        "source": because and source_of(because.owner, because.quantity),
+        "source": because
+        and because != MEASURED
+        and source_of(because.owner, because.quantity),
         "PLANE": PLANE,
         "SPANS": SPANS,
         "NOT_LEARNT": NOT_LEARNT,

@@ -16,11 +16,13 @@ from budget.model.sources import ENVIRONMENT, SENSORS
 from budget.model.sources.later import AGE
 from budget.names import IMU, MISSION, Name, by_group
 from budget.question import Question
-from budget.results import input_file, named_files
+from budget.recordings.measured_unit import measured_units
+from budget.results import input_file, named_files, results_of
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
+    about_results,
     age_that_counts_not,
     not_calibrated,
     not_estimated,
@@ -93,12 +95,14 @@ def compare(
         Options that do not fit together, limits on a mission without one, or no
         device has a sensor that the requirement limits.
     """
-    imus = load_devices(devices, variants=True)
+    sheets = load_devices(devices, variants=True)
     wanted, journey = load_requirement(requirement), inputs.journey
     tests = tuple(
         inputs.calibrated(mission=journey, requirement=wanted, by=one)
         for one in several(procedures) or (None,)
     )
+    units = measured_units(sheets, inputs.measured, tests)
+    imus = (*sheets, *(unit for _, unit in units))
     trials = TRIALS if asked.trials is None else asked.trials
     most = asked.max_trials or max(trials, MAX_TRIALS)
     _check(asked, trials=trials, max_trials=most)
@@ -156,7 +160,8 @@ def compare(
         mission="" if journey is None else journey.name,
         procedures=tuple(procedure.name for procedure in tests),
         inputs=(
-            *(input_file("device", device) for device in imus),
+            *(input_file("device", device) for device in sheets),
+            *results_of(imus),
             *(input_file("procedure", procedure) for procedure in tests),
             *(() if journey is None else (input_file("mission", journey),)),
             input_file("requirement", wanted),
@@ -182,6 +187,7 @@ def compare(
         ),
         warnings=(
             *dict.fromkeys(chain(*(_of_test(one, imus, wanted) for one in tests))),
+            *dict.fromkeys(chain(*(about_results(imus, one) for one in tests))),
             *of_no_vehicle(journey),
             *_not_of_both(imus, of_both, pairs=pairs),
             *reasons,

@@ -16,7 +16,7 @@ from budget.inputs import load_devices
 from budget.missing import fill_all
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import Name
-from budget.question import sensors_of
+from budget.question import sensors_of, with_results
 from budget.results import Study, input_files
 from budget.settings import LEAST_RATE, MOST_RATE, Asked, Inputs, asking
 from budget.studies.analysis import analyze
@@ -137,6 +137,11 @@ def export(
     imus = load_devices(devices)
     target = find_target(to)
     _check(target, inflate=inflate, rate=rate)
+    if inputs.measured and not residual:
+        raise CallError(
+            "a result of a calibration changes nothing without --residual; add it, or "
+            "leave --measured out"
+        )
     if inputs.procedure is not None and not residual:
         raise CallError(
             f"a procedure changes nothing without --residual: {target.name} gets the "
@@ -160,6 +165,8 @@ def export(
                 "and nothing that a calibration finds; leave the option out"
             )
         how = inputs.calibrated()
+        imus = with_results(imus, inputs.measured, how)
+        sensors = {one.kind: one for one in sensors_of(imus)}
         left = analyze(*imus, procedure=how, reference=REFERENCE, validate=False)
     name = "" if how is None else how.name
     known = {

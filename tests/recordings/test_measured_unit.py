@@ -1,0 +1,413 @@
+"""A unit that was calibrated, in the place of the prediction of its data sheet."""
+
+from __future__ import annotations
+
+import json
+import random
+from hashlib import sha256
+
+import numpy as np
+import pytest
+from command_line import call
+from numpy.testing import assert_allclose
+
+SIX = "six-positions-and-turns"
+UNIT = """
+name: unit
+gyro:
+  errors:
+    angle_random_walk: 0.02 deg/sqrt(h)
+    bias_stability: {value: 0.2 deg/h, correlation_time: 300 s}
+    bias_repeatability: 0.05 deg/h
+    scale_factor_repeatability: 20 ppm
+    mounting_repeatability: 2 arcsec
+    g_sensitivity: 0.5 deg/h/g
+accelerometer:
+  errors:
+    velocity_random_walk: 30 ug/sqrt(Hz)
+    bias_stability: {value: 5 ug, correlation_time: 300 s}
+    bias_repeatability: 10 ug
+    scale_factor_repeatability: 20 ppm
+    mounting_repeatability: 2 arcsec
+    scale_factor_quadratic: 10 ug/g^2
+"""
+STATION = """
+name: poor
+station:
+  positioning: 200 arcsec
+  levelling: {east: 200 arcsec, north: 200 arcsec}
+  azimuth: 1 deg
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Provide a unit's results, of a good and of a poor station."""
+    found = tmp_path_factory.mktemp("units")
+    (found / "unit.yaml").write_text(UNIT, encoding="utf-8")
+    (found / "poor.yaml").write_text(STATION, encoding="utf-8")
+    for name, station in (
+        ("good", "three-axis-table"),
+        ("poor", str(found / "poor.yaml")),
+    ):
+        at = ("--procedure", SIX, "--station", station)
+        run, sheet = str(found / f"{name}.csv"), str(found / "unit.yaml")
+        simulate = ("simulate", sheet, *at, "--means", "--seed", "3", "-o", run)
+        assert call(*simulate).code == 0
+        made = ("calibrate", run, *at, "--device", sheet, "--serial", name)
+        assert call(*made, "--json", str(found / f"{name}.json")).code == 0
+    return found
+
+
+def used(folder, mission, *more):
+    """Return the document of a mission."""
+    out = folder / "out.json"
+    words = ("mission", str(folder / "unit.yaml"), "--procedure", SIX)
+    rest = ("--mission", mission, "--no-validate", "--json", str(out))
+    assert call(*words, *rest, *more).code == 0
+    return json.loads(out.read_text(encoding="utf-8"))
+
+
+def sizes(document):
+    """Return the standard uncertainties."""
+    return [one["standard_uncertainty"] for one in document["outputs"]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mission", ["bench", "car-drive"])
+@pytest.mark.parametrize("name", ["good", "poor"])
+def test_the_same_estimator_gives_the_prediction(folder, mission, name):
+    """With the device and the station of the run the covariance is the budget's."""
+    station = "three-axis-table" if name == "good" else str(folder / "poor.yaml")
+    predicted = used(folder, mission, "--station", station)
+    found = used(folder, mission, "--measured", str(folder / f"{name}.json"))
+    assert_allclose(sizes(found), sizes(predicted), rtol=1e-9)
+    assert found["inputs"]["measured"]["name"] == f"{name}.json"
+
+
+def drop(document, k):
+    """Take a parameter out of the covariance too."""
+    rows = document["covariance"]
+    document["covariance"] = [
+        [x for j, x in enumerate(row) if j != k] for i, row in enumerate(rows) if i != k
+    ]
+    return True
+
+
+def mutated(folder, change):
+    """Write a result that is changed."""
+    document = json.loads((folder / "good.json").read_text(encoding="utf-8"))
+    change(document)
+    path = folder / "changed.json"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda d: d.update(is_sound=False), "not sound"),
+        (lambda d: d.update(title="other"), "calibration of 'other'"),
+        (lambda d: d.update(procedure="other"), "calibrated by 'other'"),
+        (lambda d: d.update(lower_bound=True), "lower bounds"),
+        (lambda d: d["outputs"][0].update(unit="counts/(deg/s)"), "in counts"),
+        (lambda d: d.update(outputs=[]), "is no result"),
+        (lambda d: d["outputs"].pop(0) and drop(d, 0), "says nothing of gyro.scale"),
+        (lambda d: d["inputs"]["device"].update(sha256="0" * 64), "another device"),
+        (lambda d: d["inputs"].pop("procedure"), "another procedure"),
+        (
+            lambda d: d["inputs"]["device"].update(changes=[{"line": "gyro.x"}]),
+            "laid over",
+        ),
+    ],
+)
+def test_what_is_no_result_of_this_unit_is_refused(folder, change, said):
+    """Exit 2, with the file and what to do."""
+    path = mutated(folder, change)
+    words = ("mission", str(folder / "unit.yaml"), "--procedure", SIX)
+    found = call(*words, "--mission", "bench", "--measured", str(path))
+    assert found.code == 2
+    assert said in " ".join(found.err.split())
+
+
+# Place of the angle in the rows of S: S[i, j] is e_ijk theta_ik, and its sign.
+ANGLES = {
+    "xy": (0, 2, -1.0),
+    "xz": (0, 1, 1.0),
+    "yx": (1, 2, 1.0),
+    "yz": (1, 0, -1.0),
+    "zx": (2, 1, -1.0),
+    "zy": (2, 0, 1.0),
+}
+UNITS = {
+    "ppm": 1e-6,
+    "arcsec": np.pi / 180.0 / 3600.0,
+    "deg/h": np.pi / 180.0 / 3600.0,
+    "ug": 9.80665e-6,
+}
+
+
+def of_input(document, sensor, given):
+    """Return what each parameter puts into a reading at an input, (3, n) [SI]."""
+    rows = np.zeros((3, len(document["outputs"])))
+    for k, one in enumerate(document["outputs"]):
+        if one["sensor"] != sensor or one["parameter"] not in {
+            "scale_factor",
+            "mounting_angle",
+            "bias",
+        }:
+            continue
+        i, j, sign = ANGLES.get(
+            one["axis"], (*[max("xyz".find(one["axis"]), 0)] * 2, 1)
+        )
+        size = 1.0 if one["parameter"] == "bias" else given[j]
+        rows[i, k] = sign * size * UNITS[one["unit"]]
+    return rows
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_errors_at_rest_are_those_of_the_covariance(tmp_path, seed):
+    """Level, at rest, heading north at 45 deg, after 10 s: a t^2/2 and w t.
+
+    By the covariance of the file alone. What a turn of w t puts into the position is
+    below 1e-2 of it and independent, so below 1e-4; the earth turns by 7e-4.
+    """
+    sheet = "\n".join(
+        line
+        for line in UNIT.splitlines()
+        if "g_sens" not in line and "quadratic" not in line
+    )
+    files = {"unit.yaml": sheet, "poor.yaml": STATION.replace("200", str(100 * seed))}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    unit, run = str(tmp_path / "unit.yaml"), str(tmp_path / "run.csv")
+    at = ("--procedure", SIX, "--station", str(tmp_path / "poor.yaml"))
+    assert call("simulate", unit, *at, "--means", "--seed", seed, "-o", run).code == 0
+    made = ("calibrate", run, *at, "--device", unit)
+    assert call(*made, "--json", str(tmp_path / "own.json")).code == 0
+    document = json.loads((tmp_path / "own.json").read_text(encoding="utf-8"))
+    C = np.array(document["covariance"])
+    rest = ("--measured", str(tmp_path / "own.json"), "--only", "calibration.result")
+    found = {
+        (one["parameter"], one["axis"]): one["standard_uncertainty"]
+        for one in used(tmp_path, "bench", *rest)["outputs"]
+        if one["time"] == 10.0
+    }
+    g, rate, root = 9.80665, 7.292115e-5, np.sqrt(0.5)
+    t = 10.0
+    # Right, forward, up.
+    force = of_input(document, "accelerometer", (0.0, 0.0, g))
+    turn = of_input(document, "gyro", (0.0, rate * root, rate * root))
+    north, east = force[1] * t**2 / 2.0, force[0] * t**2 / 2.0
+    arcsec = UNITS["arcsec"]
+    for key, row in {
+        ("position", "north"): north,
+        ("position", "east"): east,
+        ("attitude", "roll"): turn[1] * t / arcsec,
+        ("attitude", "heading"): turn[2] * t / arcsec,
+    }.items():
+        assert_allclose(found[key], np.sqrt(row @ C @ row), rtol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_trials_agree_with_the_law(folder, seed):
+    """Standard deviations of 10000 trials are within 4.5 of theirs, 1/sqrt(2 n)."""
+    file = ("--measured", str(folder / "poor.json"))
+    law = used(folder, "bench", *file)
+    drawn = used(
+        folder,
+        "bench",
+        *(*file, "--method", "monte-carlo", "--trials", "10000", "--seed", seed),
+    )
+    assert_allclose(sizes(drawn), sizes(law), rtol=4.5 / np.sqrt(2e4))
+
+
+def test_a_simulation_of_what_is_predicted_is_refused(folder):
+    """It would leave out what was measured."""
+    words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX)
+    file = ("--measured", str(folder / "good.json"))
+    found = call(*words, *file, "--method", "simulation")
+    assert found.code == 2
+    assert "--measured is of one that was done" in " ".join(found.err.split())
+
+
+def test_another_table_than_that_of_the_run_is_refused(folder):
+    """A result that counts its table takes no other one."""
+    words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX)
+    file = ("--measured", str(folder / "good.json"))
+    found = call(*words, *file, "--station", str(folder / "poor.yaml"))
+    assert found.code == 2
+    assert "another station than poor.yaml" in " ".join(found.err.split())
+
+
+LIMITS = """
+name: limits
+limits:
+  accelerometer:
+    mounting_angle: 20 arcsec
+"""
+
+
+@pytest.mark.slow
+def test_the_poor_unit_of_a_sheet_fails_and_the_good_one_meets(folder):
+    """Each unit is one more candidate, after its own run."""
+    (folder / "limits.yaml").write_text(LIMITS, encoding="utf-8")
+    words = ("compare", str(folder / "unit.yaml"), "--procedure", SIX)
+    files = [str(folder / f"{name}.json") for name in ("good", "poor")]
+    out = folder / "compared.json"
+    found = call(
+        *(*words, "--measured", files[0], "--measured", files[1]),
+        *("--requirement", str(folder / "limits.yaml"), "--json", str(out)),
+    )
+    assert found.code == 1
+    document = json.loads(out.read_text(encoding="utf-8"))
+    verdicts = {one["name"]: one["verdict"] for one in document["devices"]}
+    assert verdicts["unit (unit poor)"] == "fails"
+    assert verdicts["unit (unit good)"] == "meets_if"
+    named = {one["name"] for one in document["inputs"]}
+    assert {"good.json", "poor.json", "unit.yaml"} <= named
+    for name, code in (("good", 0), ("poor", 1)):
+        words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX)
+        one = call(
+            *(*words, "--measured", str(folder / f"{name}.json")),
+            *("--requirement", str(folder / "limits.yaml"), "--exit-code"),
+            *("--no-validate", "--accept", "meets_if"),
+        )
+        assert one.code == code
+
+
+@pytest.mark.slow
+def test_pages_have_what_was_measured(folder, tmp_path):
+    """A report of a unit names it, its file and its share; also on a mission."""
+    page = tmp_path / "page.html"
+    file = folder / "poor.json"
+    words = ("report", str(folder / "unit.yaml"), "--procedure", SIX, "--full")
+    rest = ("--measured", str(file), "--mission", "bench", "--no-validate")
+    assert call(*words, *rest, "-o", str(page)).code == 0
+    text = page.read_text(encoding="utf-8")
+    assert "unit (unit poor)" in text
+    assert "calibration result" in text
+    assert sha256(file.read_bytes()).hexdigest() in text
+
+
+@pytest.mark.slow
+def test_no_calibration_has_nothing_of_what_was_measured(folder):
+    """What the unit would be without a test is that of its sheet."""
+    own = used(folder, "bench", "--measured", str(folder / "poor.json"))
+    sheet = used(folder, "bench")
+    cep = [
+        {one["name"]: one["cep"] for one in found["calibrations"][:2]}
+        for found in (own, sheet)
+    ]
+    assert cep[0] == cep[1]
+
+
+def test_an_export_names_the_unit(folder):
+    """File, its SHA-256, serial number."""
+    out = folder / "unit.m"
+    words = ("export", str(folder / "unit.yaml"), "--procedure", SIX, "--to", "matlab")
+    file = folder / "good.json"
+    more = ("--residual", "--rate", "200", "-o", str(out))
+    assert call(*words, "--measured", str(file), *more).code == 0
+    text = "".join(out.read_text(encoding="utf-8").replace("%", " ").split())
+    digest = sha256(file.read_bytes()).hexdigest()
+    assert digest in text
+    assert "measuredgood.json" in text
+    assert "serialnumbergood" in text
+    refused = call(*words, "--measured", str(file), "--rate", "200", "-o", str(out))
+    assert refused.code == 2
+
+
+def test_a_scatter_is_of_noise_alone(folder):
+    """Table and place are those of the station; that it is sound is not told."""
+    run, result = str(folder / "good.csv"), str(folder / "scatter.json")
+    assert call("calibrate", run, "--procedure", SIX, "--json", result).code == 0
+    document = json.loads((folder / "scatter.json").read_text(encoding="utf-8"))
+    alone = used(folder, "bench", "--measured", result)
+    said = " ".join(alone["warnings"])
+    assert "sound is not told" in said
+    assert "both are taken as exact" in said
+    at_table = used(folder, "bench", "--measured", result, "--station", "poor.yaml")
+    assert max(sizes(at_table)) > 2.0 * max(sizes(alone))
+    # Student's t, whose variance is nu/(nu - 2) of the scatter.
+    found = folder / "as_tested.json"
+    words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX, "--no-validate")
+    only = ("--only", "calibration.result", "--reference", "as_tested")
+    asked = (*words, *only, "--measured", result, "--json", str(found))
+    assert call(*asked).code == 0
+    rows = json.loads(found.read_text(encoding="utf-8"))["outputs"]
+    for own, of_file in zip(rows, document["outputs"], strict=False):
+        nu = of_file["degrees_of_freedom"]
+        expected = of_file["standard_uncertainty"] * np.sqrt(nu / (nu - 2.0))
+        assert_allclose(own["standard_uncertainty"], expected, rtol=1e-4)
+
+
+def test_a_part_larger_than_the_whole_leaves_nothing():
+    """Of C less its part what is negative is 0, and no variance is above C."""
+    from budget.recordings.measured_unit import _without
+
+    C = np.array([[4.0, 1.0], [1.0, 1.0]])
+    assert_allclose(_without(C, 9.0 * np.eye(2)), np.zeros((2, 2)), atol=1e-15)
+    assert_allclose(_without(C, np.zeros((2, 2))), C, rtol=1e-12)
+    left = _without(C, np.diag([0.0, 9.0]))
+    assert np.linalg.eigvalsh(left)[0] >= -1e-12
+
+
+def test_two_devices_or_two_results_are_refused(folder):
+    """A result is of one device, and a device has one."""
+    sheet, file = str(folder / "unit.yaml"), str(folder / "good.json")
+    words = ("analyze", sheet, "--procedure", SIX)
+    two = call(*words, "--measured", file, "--measured", str(folder / "poor.json"))
+    assert two.code == 2
+    assert "several results" in two.err
+    same = call(*words, "--measured", file, "--measured", file)
+    assert same.code == 2
+
+
+ODD = (None, True, -1, 0, 1e308, -1e308, float("nan"), "", "x" * 500, [], {}, [[1]])
+
+
+def test_no_mutation_of_a_result_is_a_fault(folder, tmp_path):
+    """240 results with a key gone or odd: read, or refused in a sentence."""
+    whole = (folder / "good.json").read_text(encoding="utf-8")
+    path = tmp_path / "odd.json"
+    words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX)
+    for seed in range(240):
+        draw = random.Random(seed)  # noqa: S311 - no secret
+        document = json.loads(whole)
+        for key in ("windows", "matrix", "assumptions", "unseen"):
+            document.pop(key)
+        place, key = document, draw.choice([*document])
+        while (
+            isinstance(place[key], dict | list) and place[key] and draw.random() < 0.8
+        ):
+            place = place[key]
+            key = draw.choice(
+                [*place] if isinstance(place, dict) else range(len(place))
+            )
+        if draw.random() < 0.3:
+            del place[key]
+        else:
+            place[key] = draw.choice(ODD)
+        path.write_text(json.dumps(document), encoding="utf-8")
+        found = call(*words, "--no-validate", "--measured", str(path))
+        assert found.code in {0, 2}, (seed, found.err)
+        assert "Traceback" not in found.err
+        assert found.code == 0 or len(found.err.splitlines()) < 8, found.err
+
+
+def test_what_is_no_file_is_refused(folder, tmp_path):
+    """Empty, a folder, a loop of links, bytes, a name with control characters."""
+    loop = tmp_path / "loop.json"
+    loop.symlink_to(loop)
+    (tmp_path / "empty.json").write_bytes(b"")
+    (tmp_path / "bytes.json").write_bytes(b"\xff\xfe\x00{")
+    (tmp_path / "deep.json").write_text("[" * 100_000, encoding="utf-8")
+    words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX, "--measured")
+    names = ["loop.json", "empty.json", "bytes.json", "deep.json", "gone\n.json", "."]
+    for name in names:
+        found = call(*words, str(tmp_path / name))
+        assert found.code == 2, (name, found.err)
+        assert "Traceback" not in found.err
