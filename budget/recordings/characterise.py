@@ -351,7 +351,10 @@ def _line(
         why = sentence("recordings.bound")
     elif one.bound == REFUSED and one.needs > longest:
         why = sentence(
-            "recordings.too_short", time=one.value, needs=one.needs, duration=longest
+            "recordings.too_short",
+            time=float(f"{one.value:.3g}"),
+            needs=float(f"{one.needs:.3g}"),
+            duration=longest,
         )
     elif one.bound == REFUSED:
         why = sentence("recordings.too_fast", time=one.value, block=noise.block)

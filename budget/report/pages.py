@@ -296,7 +296,11 @@ def _page(nodes: Sequence[SyntaxTreeNode], objects: Sequence[Object]) -> Page:
         title=_text(title),
         facts=tuple(_text(one) for listing in facts for one in listing.children),
         headline=_text(headline),
-        summary=tuple(word for one in said for word in _words(one, objects)),
+        summary=tuple(
+            word
+            for k, one in enumerate(said)
+            for word in ((" ",) if k else ()) + tuple(_words(one, objects))
+        ),
         cards=tuple(_cards(head, objects)),
         sections=tuple(_sections(nodes[len(head) :], objects)),
     )

@@ -398,6 +398,7 @@ def test_day_and_environment_are_said_and_move_no_number(tmp_path, monkeypatch):
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     assert "laboratory &lt;3&gt;" in page
     assert page.count("not stated") == 2
+    assert "samples. b.csv:" in page
     assert "Circumstances" not in call("characterise", "a.csv").out
 
 
