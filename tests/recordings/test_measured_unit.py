@@ -298,7 +298,7 @@ def test_no_calibration_has_nothing_of_what_was_measured(folder):
     own = used(folder, "bench", "--measured", str(folder / "poor.json"))
     sheet = used(folder, "bench")
     cep = [
-        {one["name"]: one["cep"] for one in found["calibrations"][:2]}
+        [one["cep"] for one in found["mission"]["calibrations"][:2]]
         for found in (own, sheet)
     ]
     assert cep[0] == cep[1]
@@ -329,7 +329,9 @@ def test_a_scatter_is_of_noise_alone(folder):
     said = " ".join(alone["warnings"])
     assert "sound is not told" in said
     assert "both are taken as exact" in said
-    at_table = used(folder, "bench", "--measured", result, "--station", "poor.yaml")
+    at_table = used(
+        folder, "bench", "--measured", result, "--station", str(folder / "poor.yaml")
+    )
     assert max(sizes(at_table)) > 2.0 * max(sizes(alone))
     # Student's t, whose variance is nu/(nu - 2) of the scatter.
     found = folder / "as_tested.json"
@@ -411,3 +413,34 @@ def test_what_is_no_file_is_refused(folder, tmp_path):
         found = call(*words, str(tmp_path / name))
         assert found.code == 2, (name, found.err)
         assert "Traceback" not in found.err
+
+
+@pytest.mark.slow
+def test_what_a_sheet_lacks_stays_a_lower_bound(folder, tmp_path):
+    """Noise that the sheet does not give is not in the result: what stands for it is."""
+    sheet, file = tmp_path / "lack.yaml", tmp_path / "lack.json"
+    lines = [x for x in UNIT.splitlines() if "angle_random_walk" not in x]
+    lines = [x for x in lines if "0.2 deg/h, corr" not in x]
+    sheet.write_text("\n".join(lines), encoding="utf-8")
+    run, at = str(tmp_path / "run.csv"), ("--procedure", SIX)
+    one = ("simulate", str(sheet), *at, "--means", "--seed", "5", "-o", run)
+    assert call(*one).code == 0
+    made = ("calibrate", run, *at, "--device", str(sheet), "--json", str(file))
+    assert call(*made).code == 0
+    assert json.loads(file.read_text(encoding="utf-8"))["lower_bound"]
+    found = {}
+    for key, rest in {
+        "own": ("--measured", str(file)),
+        "sheet": (),
+        "worst": ("--measured", str(file), "--missing", "worst"),
+        "sheet, worst": ("--missing", "worst"),
+    }.items():
+        out = tmp_path / "out.json"
+        words = ("analyze", str(sheet), *at, "--no-validate", "--json", str(out))
+        assert call(*words, *rest).code == 0
+        found[key] = json.loads(out.read_text(encoding="utf-8"))["outputs"]
+    for own, predicted in (("own", "sheet"), ("worst", "sheet, worst")):
+        for x, y in zip(found[own], found[predicted], strict=True):
+            assert x["lower_bound"] == y["lower_bound"]
+            u = [one["standard_uncertainty"] for one in (x, y)]
+            assert_allclose(*u, rtol=1e-9)
