@@ -268,6 +268,8 @@ class Question:
         how = in_use(how, requirement, mission)
         if any(one.measured and one.measured.has_station for one in devices):
             how = of_run(how)
+        for one in devices:
+            _refuse_bound(one, how)
         if is_carried and outputs:
             raise CallError(
                 "outputs and matrices are of a calibration, and this is of a mission, "
@@ -778,6 +780,20 @@ def with_results(
     units = measured_units(devices, results, (procedure,))
     known = {id(sheet): unit for sheet, unit in units}
     return tuple(known.get(id(one), one) for one in devices)
+
+
+def _refuse_bound(device: Device, procedure: Procedure) -> None:
+    """Refuse lower bounds of a result where nothing would say that they are."""
+    measured = device.measured
+    if measured is None or not measured.is_bound:
+        return
+    expected = expecting_device(device, procedure, DEFAULT_REFERENCE).sensors
+    if not any(one.expected_missing for one in expected):
+        raise CallError(
+            f"{measured.file} has lower bounds of its uncertainties (lower_bound: "
+            f"true), and {device.name} lacks nothing that would add to them; calibrate "
+            "again"
+        )
 
 
 def sensors_of(

@@ -9,9 +9,10 @@ from itertools import chain
 
 from places import PACKAGE, ROOT, SHIPPED
 
+from budget.calibration.problem import MEASURED
 from budget.language import LANGUAGES, read_catalogue
 from budget.model.sources import SOURCES
-from budget.names import LENGTHS, MISSION, OUTPUTS, PLACES
+from budget.names import LENGTHS, MISSION, OUTPUTS, PLACES, key_title
 from budget.names import words as plain_words
 from budget.report.page import SCRIPTS, script_messages
 from budget.report.pages import messages
@@ -128,4 +129,5 @@ def vocabulary():
         for quantity, axes in PLACES.items()
         for axis in (*axes, *filter(None, [LENGTHS.get(quantity)]))
     }
-    return {plain_words(key) for key in (*keys, *owners, *OUTPUTS, MISSION)} | places
+    words = {plain_words(key) for key in (*keys, *owners, *OUTPUTS, MISSION)}
+    return words | places | {key_title(MEASURED), MEASURED.owner}

@@ -145,6 +145,8 @@ class MeasuredParameters:
         Of the result; '' where it does not say.
     is_told : bool
         Whether the run is known to have been sound.
+    is_bound : bool
+        Whether its covariance is a lower bound: its data sheet lacks lines.
     """
 
     names: tuple[Name, ...]
@@ -158,6 +160,7 @@ class MeasuredParameters:
     date: str
     procedure: str
     is_told: bool
+    is_bound: bool
 
 
 @written(

@@ -20,7 +20,6 @@ from budget.calibration.schemes import calibrates, estimated
 from budget.errors import CallError
 from budget.inputs.records import CHANGED, MeasuredParameters
 from budget.methods.gum import covariance_by_source, derivatives
-from budget.missing.expected import expecting_device
 from budget.model.source import SENSORS
 from budget.names import Name
 from budget.recordings.columns import COUNTS
@@ -135,12 +134,6 @@ def measured_unit(
     sheet = _sheet_of(device, result)
     _check_files(device, result, procedure)
     triads = tuple(one for one in sheet.sensors if calibrates(one.kind, procedure))
-    lacks = expecting_device(sheet, procedure, AS_TESTED).sensors
-    if result.is_bound and not any(one.expected_missing for one in lacks):
-        raise CallError(
-            f"{where} has lower bounds of its uncertainties (lower_bound: true), and "
-            f"{device.name} lacks nothing that would add to them; calibrate again"
-        )
     names = [x for one in triads for x in estimated(one.kind, procedure)]
     places = [_place(result, name) for name in names]
     absent = [name for name, k in zip(names, places, strict=True) if k is None]
@@ -172,6 +165,7 @@ def measured_unit(
         date=result.date,
         procedure=procedure.name,
         is_told=result.is_sound is not None,
+        is_bound=result.is_bound,
     )
     said = sentence(
         "measured_unit.measured" if result.has_device else "measured_unit.by_scatter",

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from command_line import call
 from numpy.testing import assert_allclose
+from scipy.stats import t as student
 
 SIX = "six-positions-and-turns"
 UNIT = """
@@ -298,7 +299,7 @@ def test_no_calibration_has_nothing_of_what_was_measured(folder):
     own = used(folder, "bench", "--measured", str(folder / "poor.json"))
     sheet = used(folder, "bench")
     cep = [
-        {one["name"]: one["cep"] for one in found["calibrations"][:2]}
+        [one["cep"] for one in found["mission"]["calibrations"][:2]]
         for found in (own, sheet)
     ]
     assert cep[0] == cep[1]
@@ -329,19 +330,25 @@ def test_a_scatter_is_of_noise_alone(folder):
     said = " ".join(alone["warnings"])
     assert "sound is not told" in said
     assert "both are taken as exact" in said
-    at_table = used(folder, "bench", "--measured", result, "--station", "poor.yaml")
-    assert max(sizes(at_table)) > 2.0 * max(sizes(alone))
-    # Student's t, whose variance is nu/(nu - 2) of the scatter.
+    station = ("--station", str(folder / "poor.yaml"))
+    at_table = used(folder, "bench", "--measured", result, *station)
+    assert sizes(at_table)[0] > 20.0 * sizes(alone)[0]
     found = folder / "as_tested.json"
     words = ("analyze", str(folder / "unit.yaml"), "--procedure", SIX, "--no-validate")
     only = ("--only", "calibration.result", "--reference", "as_tested")
     asked = (*words, *only, "--measured", result, "--json", str(found))
     assert call(*asked).code == 0
     rows = json.loads(found.read_text(encoding="utf-8"))["outputs"]
-    for own, of_file in zip(rows, document["outputs"], strict=False):
-        nu = of_file["degrees_of_freedom"]
-        expected = of_file["standard_uncertainty"] * np.sqrt(nu / (nu - 2.0))
-        assert_allclose(own["standard_uncertainty"], expected, rtol=1e-4)
+    of_file = [one for one in document["outputs"] if one["sensor"] != "imu"]
+    known = {(x["sensor"], x["parameter"], x["axis"]): x for x in of_file}
+    for own in rows:
+        told = known[own["sensor"], own["parameter"], own["axis"]]
+        u = told["standard_uncertainty"]
+        width = (own["interval"][1] - own["interval"][0]) / 2.0
+        # Of a scale factor relative to it.
+        assert_allclose(own["standard_uncertainty"], u, rtol=1e-4)
+        k = student.ppf(0.975, told["degrees_of_freedom"])  # by trials
+        assert_allclose(width, k * u, rtol=0.03)
 
 
 def test_a_part_larger_than_the_whole_leaves_nothing():
@@ -411,3 +418,33 @@ def test_what_is_no_file_is_refused(folder, tmp_path):
         found = call(*words, str(tmp_path / name))
         assert found.code == 2, (name, found.err)
         assert "Traceback" not in found.err
+
+
+@pytest.mark.slow
+def test_what_a_sheet_lacks_stays_a_lower_bound(tmp_path):
+    """Noise that the sheet does not give is not in the result; a stand-in counts."""
+    sheet, file = tmp_path / "lack.yaml", tmp_path / "lack.json"
+    lines = [x for x in UNIT.splitlines() if "angle_random_walk" not in x]
+    sheet.write_text("\n".join(lines), encoding="utf-8")
+    run, at = str(tmp_path / "run.csv"), ("--procedure", SIX)
+    one = ("simulate", str(sheet), *at, "--means", "--seed", "5", "-o", run)
+    assert call(*one).code == 0
+    made = ("calibrate", run, *at, "--device", str(sheet), "--json", str(file))
+    assert call(*made).code == 0
+    assert json.loads(file.read_text(encoding="utf-8"))["lower_bound"]
+    found = {}
+    for key, rest in {
+        "own": ("--measured", str(file)),
+        "sheet": (),
+        "worst": ("--measured", str(file), "--missing", "worst"),
+        "sheet, worst": ("--missing", "worst"),
+    }.items():
+        out = tmp_path / "out.json"
+        words = ("analyze", str(sheet), *at, "--no-validate", "--json", str(out))
+        assert call(*words, *rest).code == 0
+        found[key] = json.loads(out.read_text(encoding="utf-8"))["outputs"]
+    for own, predicted in (("own", "sheet"), ("worst", "sheet, worst")):
+        for x, y in zip(found[own], found[predicted], strict=True):
+            assert x["lower_bound"] == y["lower_bound"]
+            u = [one["standard_uncertainty"] for one in (x, y)]
+            assert_allclose(*u, rtol=1e-9)

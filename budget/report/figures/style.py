@@ -15,6 +15,7 @@ from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any, Literal
 from warnings import catch_warnings, filterwarnings
 
+from budget.calibration.problem import MEASURED
 from budget.model.source import ACCELEROMETER, COLOURS, PROCEDURE
 from budget.model.sources import every_source
 from budget.names import Name
@@ -84,6 +85,7 @@ def looks() -> Mapping[str, Look]:
         found[one.name] = next(free, tried[-1])
     return {
         **{one.name: found[one.name] for one in every},
+        MEASURED.quantity: _look("purple", "xxxx"),
         INTERACTION: (REST, "xxxx", ""),
         OTHER: (REST, "", ON_LIGHT),
     }
