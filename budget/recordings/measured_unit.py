@@ -168,12 +168,13 @@ def measured_unit(
         is_bound=result.is_bound,
     )
     said = sentence(
-        "measured_unit.measured" if result.has_device else "measured_unit.by_scatter",
+        "measured_unit.measured",
         name=device.name,
         file=where,
         serial=result.serial,
         date=result.date,
         procedure=procedure.name,
+        is_by_scatter=not result.has_device,
     )
     unit = f"unit {result.serial}" if result.serial else where
     return _measured(device, measured, name=f"{device.name} ({unit})", said=said)

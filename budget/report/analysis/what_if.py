@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from budget.errors import UnitError
 from budget.inputs.records import CHANGED
 from budget.names import AIDING, MISSION
-from budget.question import question_of, sensors_of
+from budget.question import sensors_of
 from budget.report.blocks import Section, Sliders
 from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
 from budget.report.mission import outputs_at_end
@@ -129,7 +129,7 @@ def _device_file(budget: Budget, devices: Sequence[Device]) -> str:
         for sensor in sensors_of(devices)
     ]
     technologies = {device.technology for device in devices}
-    if any(one.measured for one in question_of(budget).devices):
+    if any(one.role.startswith("measured") for one in budget.inputs):
         return ""  # a result is of the file that it was calibrated with
     if len(devices) > 1 and budget.settings.missing != "refuse":
         return ""  # what is comparable with each of them is not with one device
