@@ -9,6 +9,8 @@ from dataclasses import dataclass, is_dataclass
 from enum import StrEnum
 from functools import partial, wraps
 from inspect import Parameter, signature
+from itertools import islice
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -32,13 +34,15 @@ from budget.settings import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
+    from budget.errors import Issue
     from budget.inputs.records import Device
     from budget.results import Assessment
 
 BUILT_IN_DEVICE = "zhao-2019"
 STDOUT = Path("-")
+TOLD = 20  # issues of files that are left out, each a line; of more, files
 MEETS = "meets"  # the verdict whose exit code is always 0
 EXIT_NOT_MET, EXIT_BAD_INPUT = 1, 2
 
@@ -485,6 +489,8 @@ def load_units(
 ) -> tuple[list[Device], bool]:
     """Load what is compared, every variant; whether some could not be read, as is said.
 
+    Every file is read, however many are bad: what is not compared is never left unsaid.
+
     Raises
     ------
     CallError
@@ -494,15 +500,32 @@ def load_units(
     """
     from budget.errors import CallError, SpecError
     from budget.inputs.load import try_changed
+    from budget.inputs.tree import MOST_ISSUES
 
-    loaded, issues = try_changed([*names], changes, variants=True)
+    loaded, issues = try_changed(
+        [*names], changes, variants=True, most=MOST_ISSUES if strict else inf
+    )
     if strict and issues:
         raise SpecError(tuple(issues))
-    for issue in issues:
-        talk(str(issue))
+    for text in _told(issues):
+        talk(text)
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
     return [*loaded], bool(issues)
+
+
+def _told(issues: Sequence[Issue]) -> Iterator[str]:
+    """Yield what is said of bad files among good ones: of many issues one a file."""
+    if len(issues) <= TOLD:
+        yield from map(str, issues)
+        return
+    files: dict[str, list[Issue]] = {}
+    for one in issues:
+        files.setdefault(one.file, []).append(one)
+    for own in islice(files.values(), TOLD):
+        yield f"{own[0]}" + (f" (and {len(own) - 1} more)" if own[1:] else "")
+    if len(files) > TOLD:
+        yield f"{len(files) - TOLD} more files cannot be read; mend those above first"
 
 
 def load_devices(names: list[str] | None, changes: Sequence[str]) -> tuple[Device, ...]:

@@ -130,9 +130,15 @@ def load_changed(
 
 
 def try_changed(
-    paths: Sequence[File], changes: Changes, *, variants: bool
+    paths: Sequence[File],
+    changes: Changes,
+    *,
+    variants: bool,
+    most: float = MOST_ISSUES,
 ) -> tuple[list[Device], list[Issue]]:
     """Load what can be read with changes, and the issues of what cannot.
+
+    After more than `most` issues no further file is read.
 
     Raises
     ------
@@ -140,7 +146,9 @@ def try_changed(
         A change is none, or reaches no device though all could be read.
     """
     wanted = [read_change(text) for text in texts_of(changes)]
-    found, issues = try_all(paths, lambda path: _load(path, wanted, variants=variants))
+    found, issues = try_all(
+        paths, lambda path: _load(path, wanted, variants=variants), most=most
+    )
     devices = [device for some in found for device in some]
     if not issues:
         check_used(wanted, (text for one in devices for text in one.origin.used))
@@ -567,8 +575,13 @@ def shipped_path(device: Device) -> str:
     return str(shipped("specs") / FOLDERS["device"] / device.origin.file)
 
 
-def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[Issue]]:
-    """Load what can be read of several files, and the issues of what cannot."""
+def try_all(
+    paths: Iterable[P], load: Callable[[P], T], *, most: float = MOST_ISSUES
+) -> tuple[list[T], list[Issue]]:
+    """Load what can be read of several files, and the issues of what cannot.
+
+    After more than `most` issues no further file is read.
+    """
     found: list[T] = []
     issues: list[Issue] = []
     for path in paths:
@@ -576,7 +589,7 @@ def try_all(paths: Iterable[P], load: Callable[[P], T]) -> tuple[list[T], list[I
             found.append(load(path))
         except SpecError as error:
             issues.extend(error.issues)
-            if len(issues) > MOST_ISSUES:
+            if len(issues) > most:
                 break
     return found, issues
 

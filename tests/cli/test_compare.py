@@ -104,6 +104,25 @@ class TestExitCodes:
         """With no file left there is nothing to compare."""
         assert compare("broken.yaml", *LAW).code == 2
 
+    def test_no_number_of_bad_files_hides_a_good_one(self, folder):
+        """Of 130 before it, one says 60 issues: a line a file, the rest are counted."""
+        lines = "".join(f"    line_{k}: 1 deg/h\n" for k in range(60))
+        text = f"name: many\ngyro:\n  errors:\n{lines}"
+        (folder / "a-000.yaml").write_text(text, encoding="utf-8")
+        for place in range(1, 130):
+            (folder / f"a-{place:03d}.yaml").write_text("gyro: [\n", encoding="utf-8")
+        bad = sorted(path.name for path in folder.glob("a-*.yaml"))
+
+        run = compare(*bad, "good.yaml", *LAW, "--json", "-")
+
+        assert run.code == 2
+        assert names(run) == ["Good"]
+        first, *others, last = run.err.splitlines()
+        assert first.startswith("a-000.yaml:4:5: ")
+        assert first.endswith(" (and 59 more)")
+        assert [one.partition(":")[0] for one in others] == bad[1:20]
+        assert last == "110 more files cannot be read; mend those above first"
+
     @pytest.mark.parametrize(
         ("args", "said"),
         [
