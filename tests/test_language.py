@@ -261,6 +261,8 @@ STAYING = re.compile(
     + r"|--[a-z-]+|\bbudget (?:analyze|station)\b|\b[a-z]+(?:[._]+[a-z]+)+\b|`[\w: ]+`"
     r"|\N{FULLWIDTH LEFT PARENTHESIS}[a-z_]+: [a-z]+|'\w+'"
     r"|\b(?=\w*-?\w*\d)[A-Z][\w-]*|\bMTi\b|\bDG\b"
+    # Versions that a reference was stored with, where they are others here.
+    r"|\b[a-z]+ [\d.]+ -> [\d.]+"
     # A key of a file that changed, and its values.
     r"|[a-z_.]+\N{FULLWIDTH COLON}\S+ -> \S+|\bname(?=\N{FULLWIDTH COLON})"
     # Units and signs of formulas.

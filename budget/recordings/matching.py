@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import permutations, product
-from math import acos, inf, log, radians
+from math import acos, exp, inf, log, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,6 +27,7 @@ STILLER = radians(0.02)  # the same, where units may be wrong: the earth's is be
 SAME_TURN = 0.1  # of whole turns [1]
 LONG = 0.7  # ln of a length over the right one, of a rest that may be at another face
 MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
+PACE = 0.1  # of ln of lengths over those wanted: how alike, how far from 0 [1]
 ELSEWHERE = 10.0  # price of such a rest
 
 
@@ -77,7 +78,8 @@ def matched_windows(
                 fits.append(replace(fit, price=fit.price + more))
         if fits:
             return min(fits, key=lambda one: (not one.is_as_planned, one.price))
-    raise CallError(f"{first or name}{_of_gaps(tracks)}{_of_stamps(tracks)}")
+    pace = _of_pace(found, windows, tracks)
+    raise CallError(f"{first or name}{_of_gaps(tracks)}{pace or _of_stamps(tracks)}")
 
 
 def _of_gaps(tracks: Sequence[RecordedTrack]) -> str:
@@ -89,6 +91,28 @@ def _of_gaps(tracks: Sequence[RecordedTrack]) -> str:
         for k in one.places.tolist()[:MOST_ISSUES]
     ]
     return f". Samples are missing: {', '.join(found[:MOST_ISSUES])}" if found else ""
+
+
+def _of_pace(
+    found: Sequence[RestOrTurn],
+    windows: Sequence[Window],
+    tracks: Sequence[RecordedTrack],
+) -> str:
+    """Say that the rate may be another, where rests are there at another pace."""
+    rests = sorted((one.length for one in found if one.is_rest), reverse=True)
+    dwells = sorted((one.length for one in windows if not one.sense), reverse=True)
+    if not (rests and dwells):
+        return ""
+    ratios = np.log([a / b for a, b in zip(dwells, rests, strict=False)])
+    pace = float(np.median(ratios))
+    if len(rests) < len(dwells) or np.ptp(ratios) > PACE or abs(pace) < PACE:
+        return ""
+    rate = tracks[0].rate
+    return (
+        f". The longest rests are {exp(-pace):.2g} times as long as those wanted: is "
+        f"the rate about {rate * exp(-pace):.2g} Hz, not {rate:.3g} Hz (--rate, or "
+        "the unit of its stamps)?"
+    )
 
 
 def _of_stamps(tracks: Sequence[RecordedTrack]) -> str:

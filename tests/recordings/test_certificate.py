@@ -221,7 +221,7 @@ def test_what_nobody_stated_is_said_so(folder):
     assert "serial number: not stated" in page
     assert "date of the run: not stated" in page
     assert page.count("not stated") >= 4
-    assert "Not stated: the procedure names no station" in page
+    assert "No figures of a station are given" in page
 
 
 def test_figures_of_the_station_are_listed_with_what_they_rest_on(folder):

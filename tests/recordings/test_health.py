@@ -19,6 +19,7 @@ from budget.inputs.recording import with_columns
 from budget.recordings import calibrate as module
 from budget.recordings.calibrate import calibrate
 from budget.recordings.log import read_logs
+from budget.recordings.matching import PACE
 from budget.recordings.run import read_windows
 from budget.recordings.simulated_run import simulated_run
 
@@ -262,6 +263,20 @@ def test_a_rate_beside_stamps_is_theirs(short, tmp_path):
     path = short.write(tmp_path / "run.csv")
     with pytest.raises(SpecError, match="25 Hz, and its stamps come at 20 Hz"):
         read(path, rate=25.0)
+
+
+@pytest.mark.parametrize("rate", [40.0, 80.0])
+def test_a_rate_that_is_another_is_asked_for(short, tmp_path, rate):
+    """All rests are as much shorter than those of the procedure: 15 s at 20 Hz."""
+    written = short.write(tmp_path / "run.csv")
+    rows = written.read_text(encoding="utf-8").splitlines()
+    bare = "".join(one.split(",", 1)[1] + "\n" for one in rows)
+    written.write_text(bare, encoding="utf-8")
+    with pytest.raises(CallError) as error:
+        read(written, rate=rate)
+    asked = str(error.value).split("is the rate about ")[1]
+    assert abs(np.log(float(asked.split(" Hz")[0]) / RATE)) <= PACE
+    assert f"not {rate:g} Hz (--rate" in asked
 
 
 def test_a_blunder_is_typed_as_it_is_listed():

@@ -329,7 +329,7 @@ def test_a_scatter_is_of_noise_alone(folder):
     alone = used(folder, "bench", "--measured", result)
     said = " ".join(alone["warnings"])
     assert "sound is not told" in said
-    assert "both are taken as exact" in said
+    assert "table and place are taken as exact" in said
     station = ("--station", str(folder / "poor.yaml"))
     at_table = used(folder, "bench", "--measured", result, *station)
     assert sizes(at_table)[0] > 20.0 * sizes(alone)[0]
