@@ -429,7 +429,7 @@ def facts(value):
         left = [
             f.name
             for f in fields(value)
-            if f.name not in {"origin", "device", "read_again"}
+            if f.name not in {"origin", "device", "read_again", "read_plain"}
         ]
         return {name: facts(getattr(value, name)) for name in left}
     if isinstance(value, np.ndarray):
