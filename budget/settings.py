@@ -765,7 +765,7 @@ class Inputs(Use):
         (),
         "Result of a recorded calibration (calibrate --json) of a unit of DEVICE, in "
         "the place of what is predicted of --procedure.",
-        "analyze mission report compare export",
+        "analyze mission report compare export check",
         said="Results of recorded calibrations (calibrate --json) of units of the "
         "devices, in the place of what is predicted of the procedure.",
         at={

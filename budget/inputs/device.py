@@ -312,7 +312,8 @@ def read_device(
         root = apply(root, change)
     changed = tell_changes(printed, root, changes)
     sheet = check(document, device_table(), root=root, gravity=_gravity(root))
-    name = f"{sheet.name} ({variant})" if variant else sheet.name
+    shown = variant or document.variant
+    name = f"{sheet.name} ({shown})" if shown else sheet.name
     name = f"{name}{CHANGED}" if changed else name
     sensors: dict[str, Sensor] = {}
     assumptions = [one.said for one in changed]

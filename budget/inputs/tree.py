@@ -92,6 +92,7 @@ class YamlFile:
     issues: tuple[Issue, ...]
     kind: str = ""  # 'device', ..., once its keys have said so
     text: str = ""  # of the bytes that `sha256` is of
+    variant: str = ""  # of a device whose root it is laid over
 
     @property
     def stem(self) -> str:

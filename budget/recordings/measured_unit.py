@@ -23,7 +23,7 @@ from budget.methods.gum import covariance_by_source, derivatives
 from budget.model.source import SENSORS
 from budget.names import Name
 from budget.recordings.columns import COUNTS
-from budget.recordings.results import read_result
+from budget.recordings.results import read_results
 from budget.sentences import sentence
 from budget.units import size_of
 
@@ -63,8 +63,7 @@ def measured_units(
     """
     found: list[tuple[Device, Device]] = []
     read: list[CalibrationResult] = []
-    for file in files:
-        one = read_result(file)
+    for one in read_results(files):
         twice = next((x for x in read if x.sha256 == one.sha256), None)
         if twice is not None:
             raise CallError(f"{twice.name} and {one.name} are one result; give it once")

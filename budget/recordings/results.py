@@ -29,9 +29,8 @@ from budget.calibration.schemes import as_recorded, calibrates, scheme_of, windo
 from budget.documents import Documented, written
 from budget.errors import CallError, Issue, SpecError, UnitError
 from budget.inputs.files import find
-from budget.inputs.reader import refuse
+from budget.inputs.reader import read_bytes, refuse
 from budget.inputs.records import Sensor
-from budget.journal import note_read
 from budget.model.source import SENSORS
 from budget.names import (
     ANGLES,
@@ -55,7 +54,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from budget.arrays import Array
-    from budget.inputs.files import File
+    from budget.inputs.files import File, NamedFile
     from budget.inputs.records import Procedure
     from budget.model.scheme import Scheme
 
@@ -142,6 +141,24 @@ def is_result(name: File) -> bool:
         return False
 
 
+def open_result(file: NamedFile) -> NamedFile:
+    """Return the file of a result with what is in it, read from the disk once.
+
+    Raises
+    ------
+    SpecError
+        It cannot be read, or is too large for one.
+    """
+    if file.content is not None:
+        return file
+    data = read_bytes(
+        file.path, file.shown, most=MOST_BYTES, what="a result of a calibration"
+    )
+    if len(data) > MOST_BYTES:
+        raise refuse(file.shown, NO_RESULT)
+    return replace(file, content=data)
+
+
 def read_result(name: File) -> CalibrationResult:
     """Read a result of `budget calibrate --json`.
 
@@ -150,14 +167,10 @@ def read_result(name: File) -> CalibrationResult:
     SpecError
         It cannot be read, is none, or says what no calibration does: with the key.
     """
-    file = find(name, "device")
+    file = open_result(find(name, "device"))
+    data = file.content or b""
     try:
-        note_read(file.path)
-        size = file.path.stat().st_size
-        data = file.path.read_bytes() if size <= MOST_BYTES else b""
-        document = json.loads(data, object_pairs_hook=_once)
-    except OSError as error:
-        raise refuse(file.shown, f"cannot be read ({error.strerror})") from None
+        document = json.loads(data.decode("utf-8-sig"), object_pairs_hook=_once)
     except (ValueError, RecursionError):
         raise refuse(file.shown, NO_RESULT) from None
     is_one = isinstance(document, dict) and document.get("command") == COMMAND

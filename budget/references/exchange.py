@@ -100,7 +100,7 @@ def effective(
                 root = put(root, (sensor, "errors", line), long)
     name = f"{document.base_name}#{variant}" if variant else document.base_name
     base_name = f"{name}{CHANGED}" if changes else name
-    return replace(document, root=root, base_name=base_name)
+    return replace(document, root=root, base_name=base_name, variant=variant)
 
 
 def input_changes(
@@ -121,18 +121,20 @@ def input_changes(
         if place not in paired
     ]
     for place, other in pairs.items():
-        own = before[place]
-        same = own.base_name == after[other].base_name
-        for key in differences(own, after[other]):
+        own, new = before[place], after[other]
+        same = own.base_name == new.base_name
+        where = f"{own.kind} {own.base_name}" if same else own.kind
+        for key in differences(own, new):
             was, now = key.shown
             change = Alteration(
-                where=f"{own.kind} {own.base_name}" if same else own.kind,
+                where=where,
                 key=key.path,
                 before=was,
                 after=now,
                 is_text=is_text(own.kind, key.steps),
             )
-            alone = (*before[:place], exchange(own, key), *before[place + 1 :])
+            one = exchange(own, key) if key.steps else new
+            alone = (*before[:place], one, *before[place + 1 :])
             found.append(Exchanged(change, alone))
     return tuple(found)
 

@@ -13,14 +13,16 @@ from budget.errors import CallError, ReferenceFileError
 from budget.inputs.changes import check_used, read_change
 from budget.inputs.checking import nearest
 from budget.inputs.device import read_device, root_of, variant_names
+from budget.inputs.fields import node_of
 from budget.inputs.files import FOLDERS, NamedFile, find, lies_in, open_file
 from budget.inputs.load import PAPER
 from budget.inputs.reader import parse
 from budget.inputs.station import named_station, station_file
-from budget.inputs.tree import all_of
+from budget.inputs.tree import YamlFile, all_of
 from budget.model.sources import STATION
+from budget.recordings.results import open_result, read_result
 from budget.references.exchange import effective
-from budget.references.records import StoredInput
+from budget.references.records import RESULT, StoredInput
 from budget.resources import shipped
 from budget.results import InputFile
 
@@ -28,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.changes import Override
-    from budget.inputs.tree import YamlFile
     from budget.references.records import Role
 
 FOLDER = "references"
@@ -106,11 +107,12 @@ def _taken(
     role: Role, typed: str | Path | None, folder: Path | None
 ) -> tuple[StoredInput, YamlFile]:
     """Return a file as a reference stores it, and as it was read from its path."""
-    path = shipped("specs") / FOLDERS[role] / f"{PAPER}.yaml"
-    file = NamedFile(path=path, shown=PAPER, variant="")
     if typed is not None:
-        file = find(typed, role)
-    document = open_file(file, role)
+        file = find(typed, role if role in FOLDERS else None)
+    else:
+        path = shipped("specs") / FOLDERS[role] / f"{PAPER}.yaml"
+        file = NamedFile(path=path, shown=PAPER, variant="")
+    document = _open(file, role)
     stored = _stored(document, role, file, folder)
     return stored, replace(document, file=str(file.path))
 
@@ -119,7 +121,7 @@ def _stored(
     document: YamlFile, role: Role, file: NamedFile, folder: Path | None
 ) -> StoredInput:
     """Return a file that was read as a reference stores it."""
-    ships = shipped("specs") / FOLDERS[role]
+    ships = shipped("specs") / FOLDERS.get(role, role)
     is_bare = file.path.parent == ships and file.shown == file.path.stem
     shown = file.shown
     if folder is not None and file.content is not None:
@@ -128,7 +130,7 @@ def _stored(
             "that stays; save what is there to a file and name it"
         )
     if folder is not None and not is_bare:
-        shown = _path_from(folder, file.path)
+        shown = _path_from(folder, file.path, role)
     return StoredInput(
         role=role,
         file=shown,
@@ -243,17 +245,18 @@ def present_documents(
         if named and one.role == STATION:
             continue  # found below: by the name that the procedure has for it now
         path = _locate(one, folder)
-        if not _is_bare(one.file):
+        is_bare = _is_bare(one.role, one.file)
+        if not is_bare:
             _confine(one.role, one.file, path, tree, reference)
         if not isfile(path):  # noqa: PTH113 - a name that can be none is not there
-            where = "among the files that ship" if _is_bare(one.file) else "there"
+            where = "among the files that ship" if is_bare else "there"
             raise ReferenceFileError(
                 f"{reference}: its {one.role} {one.file} is not {where}; a reference "
                 "is computed again from its files: put the file back, or save the "
                 "reference again from where it is now"
             )
-        shown = one.file if _is_bare(one.file) else os.path.relpath(path)
-        document = open_file(
+        shown = one.file if is_bare else os.path.relpath(path)
+        document = _open(
             NamedFile(path=path, shown=shown, variant=one.variant), one.role
         )
         found.extend(_documents(document, one, job))
@@ -284,8 +287,12 @@ def stored_documents(
     found: list[YamlFile] = []
     for one in inputs:
         shown = f"{reference}, stored {one.file}" if reference else one.file
-        base_name = _locate(one, Path()).name
-        document = parse(one.text.encode(), shown, base_name=base_name)
+        path, data = _locate(one, Path()), one.text.encode()
+        if one.role == RESULT:
+            file = NamedFile(path=path, shown=shown, variant="", content=data)
+            found.append(_open(file, one.role))
+            continue
+        document = parse(data, shown, base_name=path.name)
         if document.issues:
             raise all_of(document.issues)
         document = replace(document, kind=one.role)
@@ -338,19 +345,42 @@ def _documents(document: YamlFile, one: StoredInput, job: str) -> list[YamlFile]
     return found
 
 
-def _is_bare(file: str) -> bool:
+def _open(file: NamedFile, role: str) -> YamlFile:
+    """Read a file of a role; of a result only as a whole can anything be other.
+
+    Raises
+    ------
+    SpecError
+        What is wrong with it.
+    """
+    if role != RESULT:
+        return open_file(file, role)
+    opened = open_result(file)
+    sha256 = read_result(opened).sha256
+    return YamlFile(
+        file=file.shown,
+        base_name=file.path.name,
+        sha256=sha256,
+        root=replace(node_of(sha256), written=f"SHA-256 {sha256[:12]}"),
+        issues=(),
+        kind=RESULT,
+        text=(opened.content or b"").decode(),
+    )
+
+
+def _is_bare(role: str, file: str) -> bool:
     """Whether a stored file is the bare name of one that ships."""
-    return "/" not in file and not file.endswith(SUFFIXES)
+    return role in FOLDERS and "/" not in file and not file.endswith(SUFFIXES)
 
 
 def _locate(one: StoredInput, folder: Path) -> Path:
     """Return where a stored input is now."""
-    if _is_bare(one.file):
+    if _is_bare(one.role, one.file):
         return shipped("specs") / FOLDERS[one.role] / f"{one.file}.yaml"
     return folder / one.file
 
 
-def _path_from(folder: Path, path: Path) -> str:
+def _path_from(folder: Path, path: Path, role: str) -> str:
     """Return the path of a file from a folder, with '/'."""
     here, there = (Path(os.path.abspath(p)) for p in (folder, path))  # noqa: PTH100 - resolve() would follow links
     if here.parts[:2] != there.parts[:2] and here != there.parent:
@@ -361,5 +391,5 @@ def _path_from(folder: Path, path: Path) -> str:
         )
     relative = Path(os.path.relpath(there, here)).as_posix()
     # 'C:x.yaml' is a name here and a place on a disk elsewhere; './C:x.yaml' is not.
-    is_odd = _is_bare(relative) or PureWindowsPath(relative).anchor
+    is_odd = _is_bare(role, relative) or PureWindowsPath(relative).anchor
     return f"./{relative}" if is_odd else relative

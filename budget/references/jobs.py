@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from budget.errors import CallError
 from budget.inputs.costs import read_costs
 from budget.inputs.device import read_device
+from budget.inputs.files import NamedFile
 from budget.inputs.load import load_calibration
 from budget.inputs.mission import read_mission
 from budget.inputs.procedure import read_procedure
+from budget.inputs.records import CHANGED
 from budget.inputs.requirement import read_requirement
 from budget.inputs.station import done_at, named_station, read_station
 from budget.methods.execution import small_blocks
@@ -24,8 +27,16 @@ from budget.question import (
     sensors_of,
     source_names,
 )
+from budget.recordings.measured_unit import measured_units
 from budget.references.quantities import device_of, snapshot_of
-from budget.references.records import FILES, JOBS, STORED, Stored, files_fault
+from budget.references.records import (
+    FILES,
+    JOBS,
+    RESULT,
+    STORED,
+    Stored,
+    files_fault,
+)
 from budget.references.sampling import standard_errors
 from budget.results import BY_TRIALS
 from budget.settings import Use, rows
@@ -90,6 +101,15 @@ def compute(
     limits = [read_requirement(one) for one in by_role.get("requirement", [])]
     mission = next(map(_mission, by_role.get(MISSION, [])), None)
     costs = [read_costs(one) for one in by_role.get("costs", [])]
+    results = [
+        NamedFile(
+            path=Path(one.base_name),
+            shown=one.file,
+            variant="",
+            content=one.text.encode(),
+        )
+        for one in _told_apart(by_role.get(RESULT, []))
+    ]
     fault = files_fault(job, [one.kind for one in inputs])
     _refuse(
         (
@@ -111,6 +131,13 @@ def compute(
             f"a reference of kind {job} needs a requirement; give --requirement FILE",
         ),
         (fault, f"found {fault}; give as many, or take another --kind"),
+        (
+            results and any(one.origin.file.endswith(CHANGED) for one in devices),
+            (
+                "a reference of a measured unit has its data sheet as it was "
+                "calibrated with; leave --set out, or keep the JSON of `budget analyze`"
+            ),
+        ),
     )
     with_maker = mission is not None and not procedures
     procedures = [
@@ -142,11 +169,12 @@ def compute(
                 validate=False,
                 workers=workers,
                 command=job,
+                measured=results,
                 **given,
             )
             return _snapshot(budget)
         if job == "compare":
-            given |= {"workers": workers, "mission": mission}
+            given |= {"workers": workers, "mission": mission, "measured": results}
             return _compare(devices, procedures, limits[0], given)
         known = source_names(sensors_of(devices))
         held = find_sources(given.pop("fix"), known, option="--fix")
@@ -270,13 +298,15 @@ def _compare(
     given: dict[str, Any],
 ) -> Snapshot:
     """Compare devices; what missing lines could do hangs on the catalogue."""
-    document = compare(devices, requirement, procedures, **given).to_dict()
-    by_name = {one.origin.file: one for one in devices}
+    comparison = compare(devices, requirement, procedures, **given)
+    document = comparison.to_dict()
+    units = measured_units(devices, given["measured"], procedures)
+    every = (*devices, *(unit for _, unit in units))
     tests = {one.name: one for one in procedures}
     errors = {}
-    for row in document["devices"]:
+    for one, row in zip(comparison.devices, document["devices"], strict=True):
         if row["trials"] is not None:
-            device, how = by_name[row["file"]], tests[row["procedure"]]
+            device, how = every[one.place], tests[row["procedure"]]
             is_carried = row["sensor"] == MISSION
             question = Question.of(
                 device,

@@ -139,7 +139,8 @@ def device_of(document: Record, row: Record) -> str:
     """Return what a comparison is of in one entry: device, procedure, sensor."""
     several = len(document["procedures"]) > 1
     procedure = f" @ {row['procedure']}" if several else ""
-    return f"{row['file']}{procedure} {row['sensor']}"
+    unit = f" ({row['measured']})" if "measured" in row else ""
+    return f"{row['file']}{unit}{procedure} {row['sensor']}"
 
 
 @dataclass(frozen=True)

@@ -43,12 +43,16 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 Job = Literal["analyze", "mission", "compare", "allocate"]
-Role = Literal["device", "procedure", "station", "mission", "requirement", "costs"]
+Role = Literal[
+    "device", "procedure", "station", "mission", "requirement", "costs", "result"
+]
 
 FALLING = {"interval_low", "conformance"}  # the worse, the smaller
 MANY = 1000  # inputs of a reference at the most
 NONE, ONE, MAYBE = range(1), range(1, 2), range(2)
 SOME = range(1, 10**9)  # or more: a file may have many variants
+ANY = range(10**9)
+RESULT = "result"  # of a recorded calibration: JSON, and none ships
 
 # How many files of each role a job takes.
 FILES: Mapping[str, Mapping[str, range]] = {
@@ -59,12 +63,13 @@ FILES: Mapping[str, Mapping[str, range]] = {
         "station": MAYBE,
         "requirement": limits,
         "costs": costs,
+        RESULT: results,
     }
-    for job, procedures, missions, limits, costs in (
-        ("analyze", ONE, NONE, MAYBE, NONE),
-        ("mission", ONE, ONE, MAYBE, NONE),
-        ("compare", SOME, MAYBE, ONE, NONE),
-        ("allocate", ONE, MAYBE, ONE, MAYBE),
+    for job, procedures, missions, limits, costs, results in (
+        ("analyze", ONE, NONE, MAYBE, NONE, MAYBE),
+        ("mission", ONE, ONE, MAYBE, NONE, MAYBE),
+        ("compare", SOME, MAYBE, ONE, NONE, ANY),
+        ("allocate", ONE, MAYBE, ONE, MAYBE, NONE),
     )
 }
 JOBS = tuple(FILES)

@@ -23,6 +23,7 @@ from budget.journal import note_read
 from budget.references.files import digest
 from budget.references.records import (
     REFERENCE,
+    RESULT,
     SHA256,
     STORED,
     ReferenceBudget,
@@ -157,7 +158,7 @@ def _content_fault(reference: ReferenceBudget) -> str:
                 f"the input {one.file} has an absolute path, expected one from the "
                 "folder of the reference"
             )
-        if len(one.text) > LONGEST_INPUT:
+        if one.role != RESULT and len(one.text) > LONGEST_INPUT:
             return (
                 f"the stored {one.file} is larger than {LONGEST_INPUT} bytes, the most "
                 "that an input may have"

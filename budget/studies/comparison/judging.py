@@ -181,6 +181,7 @@ def entrant_of(one: Question, verdict: Verdict, place: int) -> Entrant:
         place=place,
         procedure=one.procedure.name,
         file=device.origin.file,
+        measured=device.measured.file if device.measured else "",
         technology=device.technology,
         vendor=device.vendor,
         not_given=tuple(name for own in one.sensors for name in own.not_given),

@@ -139,6 +139,7 @@ class UnknownCap:
     """
     name
     file
+    measured? not in CSV: file of the result, of a unit that was calibrated
     technology
     sensor: or 'mission', of both
     procedure
@@ -166,6 +167,7 @@ class Entrant(Ranked):
     place: int  # of the device among those compared, as they were given
     procedure: str
     file: str
+    measured: str  # file of the result, of a unit that was calibrated; '' of a sheet
     technology: str
     not_given: tuple[Name, ...]
     missing: MissingLines | None
