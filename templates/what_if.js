@@ -310,6 +310,12 @@ function givenAs(source) {
   return unit ? { size: Number(size), unit: unit.trim(), isPrinted: true } : { size: source.u, unit: source.unit };
 }
 
+/** The unit beside a size: of a standard uncertainty that is told, and of what was measured times that. */
+function unitWords({ size, unit, isPrinted }) {
+  if (isPrinted) return unit;
+  return unit === "1" ? (size === 1 ? "× u" : "(u)") : `${unit} (u)`;
+}
+
 /** A row of a source: its name, a slider, a field with its size, and what asks for the largest that meets. */
 function makeControl(model, source, { change, finish, start, ask }) {
   const given = givenAs(source);
@@ -362,7 +368,7 @@ function makeControl(model, source, { change, finish, start, ask }) {
   });
   const row = make("div", { class: "control" },
     make("div", { class: "name" }, source.title, printed), slider,
-    make("div", { class: "size" }, field, make("span", { class: "unit" }, given.isPrinted ? given.unit : `${given.unit} (u)`)),
+    make("div", { class: "size" }, field, make("span", { class: "unit" }, unitWords(given))),
     make("div", { class: "effect" }, times, ...(isAsked ? [button] : [])), sought);
   return { row, show };
 }

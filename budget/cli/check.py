@@ -179,7 +179,6 @@ def take_all(
     from budget.errors import Issue, SpecError
     from budget.inputs.load import one_calibration, several, try_all
     from budget.references.files import take, take_procedures
-    from budget.references.records import RESULT
 
     tests = one_calibration(inputs.calibration, inputs.procedures or inputs.procedure)
     files: dict[Role, Any] = {
@@ -189,7 +188,7 @@ def take_all(
         "mission": inputs.mission,
         "requirement": inputs.requirement,
         "costs": costs,
-        RESULT: inputs.measured,
+        "result": inputs.measured,
     }
     taken: list[StoredInput] = []
     issues: list[Issue] = []

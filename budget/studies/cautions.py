@@ -26,7 +26,14 @@ from budget.units import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from budget.inputs.records import Device, Mission, Procedure, Requirement, Sensor
+    from budget.inputs.records import (
+        Device,
+        MeasuredParameters,
+        Mission,
+        Procedure,
+        Requirement,
+        Sensor,
+    )
     from budget.methods.gum import Propagation
     from budget.methods.monte_carlo import Sample
     from budget.problem import Problem
@@ -64,12 +71,35 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
 def about_results(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
     """Say what results of recorded calibrations leave open."""
     found = []
-    for one in dict.fromkeys(x.measured for x in devices if x.measured):
+    for one in _results(devices, procedure):
         if not one.is_told:
             found.append(sentence("measured_unit.untold", file=one.file))
         if not (one.has_station or procedure.station):
             found.append(sentence("measured_unit.no_table", file=one.file))
     return tuple(found)
+
+
+def better_than_units(
+    devices: Sequence[Device], procedure: Procedure
+) -> tuple[str, ...]:
+    """Say that data sheets are predicted on an ideal table, beside units on a real one.
+
+    Which station the sheet would be calibrated at nobody but the caller knows: results
+    may be of several.
+    """
+    files = tuple(x.file for x in _results(devices, procedure) if x.has_station)
+    if procedure.station or not files or all(one.measured for one in devices):
+        return ()
+    text = sentence("measured_unit.beside_ideal", procedure=procedure.name, files=files)
+    return (text,)
+
+
+def _results(
+    devices: Sequence[Device], procedure: Procedure
+) -> tuple[MeasuredParameters, ...]:
+    """Return what was measured of devices after that procedure, each once."""
+    every = dict.fromkeys(one.measured for one in devices if one.measured)
+    return tuple(one for one in every if one.procedure == procedure.name)
 
 
 def not_estimated(

@@ -24,6 +24,7 @@ from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
     about_results,
     age_that_counts_not,
+    better_than_units,
     not_calibrated,
     not_estimated,
     not_weighted,
@@ -186,6 +187,7 @@ def compare(
             *dict.fromkeys(chain(*(_assumed(one, tests) for one in imus), filled)),
         ),
         warnings=(
+            *dict.fromkeys(chain(*(better_than_units(imus, one) for one in tests))),
             *dict.fromkeys(chain(*(_of_test(one, imus, wanted) for one in tests))),
             *dict.fromkeys(chain(*(about_results(imus, one) for one in tests))),
             *of_no_vehicle(journey),
