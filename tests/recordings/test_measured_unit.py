@@ -12,6 +12,8 @@ from command_line import call
 from numpy.testing import assert_allclose
 from scipy.stats import t as student
 
+import budget
+
 SIX = "six-positions-and-turns"
 UNIT = """
 name: unit
@@ -349,6 +351,138 @@ def test_a_scatter_is_of_noise_alone(folder):
         assert_allclose(own["standard_uncertainty"], u, rtol=1e-4)
         k = student.ppf(0.975, told["degrees_of_freedom"])  # by trials
         assert_allclose(width, k * u, rtol=0.03)
+
+
+WARM = """
+name: warm
+gyro:
+  errors:
+    angle_random_walk: 0.02 deg/sqrt(h)
+    bias_repeatability: 0.05 deg/h
+    bias_temperature_coefficient: 0.03 deg/h/degC
+    scale_factor_temperature_coefficient: -0.4 ppm/degC
+accelerometer:
+  errors:
+    velocity_random_walk: 30 ug/sqrt(Hz)
+    bias_repeatability: 10 ug
+    bias_temperature_coefficient:
+      axes: {x: 20 ug/degC, y: -10 ug/degC, z: 5 ug/degC}
+    scale_factor_temperature_coefficient: 0.3 ppm/degC
+"""
+HOT = """
+name: hot
+station:
+  positioning: 20 arcsec
+  levelling: {east: 10 arcsec, north: 10 arcsec}
+environment:
+  temperature: {ramp: 2 degC/h}
+"""
+PER_DEGREE = {
+    ("gyro", "bias"): (0.03, 0.03, 0.03),
+    ("gyro", "scale_factor"): (-0.4, -0.4, -0.4),
+    ("accelerometer", "bias"): (20.0, -10.0, 5.0),
+    ("accelerometer", "scale_factor"): (0.3, 0.3, 0.3),
+}
+REPEATED = {"gyro": 0.05, "accelerometer": 10.0}
+
+
+@pytest.mark.slow
+def test_use_at_another_temperature_by_hand(tmp_path):
+    """Run at 35 degC, with a ramp of its own; used at 20 degC, 1 sigma.
+
+    By numpy alone: one temperature T moves all by coefficients k, a repeatability R
+    counts at both turn-ons, and the ramp of the run is in C, once: the covariance is
+    C + T^2 k k' + 2 R^2. The square of a change of scale, 6 ppm, is below 1e-10 of it.
+    """
+    for name, text in (("warm.yaml", WARM), ("hot.yaml", HOT)):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    sheet, run = str(tmp_path / "warm.yaml"), str(tmp_path / "run.csv")
+    at = ("--procedure", SIX, "--station", str(tmp_path / "hot.yaml"))
+    assert call("simulate", sheet, *at, "--means", "--seed", "5", "-o", run).code == 0
+    file, out = str(tmp_path / "own.json"), str(tmp_path / "out.json")
+    assert call("calibrate", run, *at, "--device", sheet, "--json", file).code == 0
+    words = ("analyze", sheet, "--procedure", SIX, "--measured", file, "--no-validate")
+    use = ("--environment", "temperature 15 degC", "--reference", "next_turn_on")
+    assert call(*words, *use, "--json", out).code == 0
+    result, found = (
+        json.loads((tmp_path / name).read_text(encoding="utf-8"))
+        for name in ("own.json", "out.json")
+    )
+    keys = [
+        [(one["sensor"], one["parameter"], one["axis"]) for one in document["outputs"]]
+        for document in (result, found)
+    ]
+    at = [keys[0].index(key) for key in keys[1]]
+    C = np.array(result["covariance"], dtype=float)[np.ix_(at, at)]
+    of_scale = np.array([key[1] == "scale_factor" for key in keys[1]])
+    values = np.array([result["outputs"][k]["value"] for k in at])
+    size = np.where(of_scale, 1.0 / (1.0 + 1e-6 * values), 1.0)  # relative to it
+    k = np.array(
+        [
+            PER_DEGREE[key[:2]]["xyz".index(key[2])] if key[:2] in PER_DEGREE else 0.0
+            for key in keys[1]
+        ]
+    )
+    repeated = [REPEATED[key[0]] * (key[1] == "bias") for key in keys[1]]
+    expected = C * np.outer(size, size) + 15.0**2 * np.outer(k, k)
+    expected += np.diag(2.0 * np.square(repeated))
+    u = np.sqrt(np.diag(expected))
+    covariance = np.array(found["covariance"], dtype=float)
+    assert_allclose(
+        covariance / np.outer(u, u), expected / np.outer(u, u), rtol=0.0, atol=1e-9
+    )
+    assert_allclose(sizes(found), u, rtol=1e-9)
+
+
+LINES = """
+name: both
+limits:
+  accelerometer: {mounting_angle: 20 arcsec, bias: 100 ug}
+  gyro: {bias: 1 deg/h}
+"""
+
+
+@pytest.mark.slow
+def test_a_sheet_on_an_ideal_table_is_no_better_than_its_unit(folder):
+    """Said once where both stand together; at the station of the run both are alike."""
+    (folder / "both.yaml").write_text(LINES, encoding="utf-8")
+    out, page = str(folder / "compared.json"), folder / "compared.html"
+    words = ("compare", str(folder / "unit.yaml"), "--procedure", SIX)
+    rest = ("--requirement", str(folder / "both.yaml"), "--json", out)
+    unit = ("--measured", str(folder / "good.json"))
+    said = "a sheet looks better than its own unit"
+    found = call(*words, *rest, *unit, "-o", str(page))
+    document = json.loads((folder / "compared.json").read_text(encoding="utf-8"))
+    assert sum(said in one for one in document["warnings"]) == 1
+    assert said in " ".join(found.out.split())
+    assert said in page.read_text(encoding="utf-8")
+    files = {one["name"]: one.get("measured") for one in document["devices"]}
+    assert files == {"unit": None, "unit (unit good)": "good.json"}
+    call(*words, *rest, *unit, "--station", "three-axis-table")
+    document = json.loads((folder / "compared.json").read_text(encoding="utf-8"))
+    assert not any(said in one for one in document["warnings"])
+    used_of = {
+        (one["name"], one["sensor"]): one["utilisation"] for one in document["devices"]
+    }
+    for sensor in ("gyro", "accelerometer"):
+        # By trials: the largest of several outputs, and Student's t of the result.
+        own, sheet = used_of["unit (unit good)", sensor], used_of["unit", sensor]
+        assert_allclose(own, sheet, rtol=0.02)
+    call(*words, *rest)
+    document = json.loads((folder / "compared.json").read_text(encoding="utf-8"))
+    assert not any(said in one for one in document["warnings"])
+
+
+def test_a_result_may_be_a_document(folder):
+    """In the library: of a mapping it is as of its file, and nothing is read."""
+    device = budget.load_device(str(folder / "unit.yaml"))
+    whole = json.loads((folder / "good.json").read_text(encoding="utf-8"))
+    both = [
+        budget.analyze(device, procedure=SIX, measured=[one], validate=False)
+        for one in (str(folder / "good.json"), whole)
+    ]
+    u = [[row.standard_uncertainty for row in one.outputs] for one in both]
+    assert u[0] == u[1]
 
 
 def test_a_part_larger_than_the_whole_leaves_nothing():
