@@ -341,7 +341,7 @@ function makeControl(model, source, { change, finish, start, ask }) {
     field.value = sizeOf(factor);
     field.removeAttribute("aria-invalid");
     times.textContent = sizeWords(factor) + (kept === 1 ? "" : word("; kept: {size}", { size: sizeWords(kept) }));
-    slider.setAttribute("aria-valuetext", [times.textContent, `${field.value} ${given.unit}`].join(word(", ")));
+    slider.setAttribute("aria-valuetext", [times.textContent, `${field.value} ${unitWords(given)}`].join(word(", ")));
     sought.textContent = said;
     row.classList.toggle("changed", factor !== 1);
   };
