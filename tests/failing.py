@@ -27,6 +27,11 @@ LOG = str(TESTS / "data" / "static.csv")
 RUN = str(TESTS / "data" / "run.csv")
 RESULTS = (str(TESTS / "data" / "history"),)
 TEST = ("--procedure", "zhao-2019", "--device", "zhao-2019")
+# A result of `calibrate RUN --procedure zhao-2019 --json`, by its scatter.
+UNIT = (
+    *("zhao-2019", "--procedure", "zhao-2019"),
+    *("--measured", str(TESTS / "data" / "measured.json")),
+)
 PRINTING = {
     "analyze": ("analyze", "--no-validate", *GRADE),
     "analyze full": ("analyze", "--no-validate", "--full"),
@@ -58,6 +63,9 @@ PRINTING = {
     "mission json": (
         *("mission", "--mission", "outage-10-s", "--no-validate", "--json", "-"),
     ),
+    "analyze measured": ("analyze", *UNIT, "--no-validate"),
+    "mission measured": ("mission", *UNIT, "--mission", "bench", "--no-validate"),
+    "compare measured": ("compare", *UNIT, *GRADE, *GUM),
     "export": ("export", "hg4930#A", "--to", "gtsam"),
     "export json": ("export", "hg4930#A", "--to", "gtsam", "--json", "-"),
     "new": ("new", "-"),
@@ -106,13 +114,21 @@ WRITING = {
         *("--json", "a.json", "--csv", "a.csv", "-o", "a.html"),
     ),
     "new": ("new", "--force", "--line", "gyro.bias_stability=1 deg/h", "a.yaml"),
+    "export measured": (
+        *("export", *UNIT, "--to", "gtsam", "--residual"),
+        *("--json", "a.json", "-o", "a.py"),
+    ),
     "export": (
         *("export", "hg4930#A", "--to", "gtsam", "--residual"),
         *("--json", "a.json", "--csv", "a.csv", "-o", "a.yaml"),
     ),
 }
 
-NOT_MET = {"compare", "compare csv"}  # the paper's device does not meet that grade
+NOT_MET = {
+    "compare",
+    "compare csv",
+    "compare measured",
+}  # the paper's device does not meet that grade
 
 
 def environment(**more):

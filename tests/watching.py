@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 GRADE = ("--requirement", "navigation-grade")
 
+# What the call of `calibrate` wrote, in the folder beside.
+UNIT = (
+    *("zhao-2019", "--procedure", "zhao-2019"),
+    *("--measured", "../calibrate/a.json"),
+)
+
 # Calls that between them reach everything a command can reach, cluster apart.
 CALLS = {
     "help": ("--help",),
@@ -70,6 +76,11 @@ CALLS = {
         *("mission", "--mission", "bench", "--no-validate"),
         *("--json", "a.json", "-o", "a.html"),
     ),
+    "mission, of a unit": (
+        *("mission", *UNIT, "--mission", "bench", "--no-validate"),
+        *("--json", "a.json", "-o", "a.html"),
+    ),
+    "check, of a unit": ("check", "--save", "a.json", *UNIT),
     "validate": ("validate", "zhao-2019"),
     "schema": ("schema", "device"),
     "check": ("check", "-o", "a.html"),

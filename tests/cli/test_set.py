@@ -10,7 +10,7 @@ from html import unescape
 
 import pytest
 from command_line import call
-from places import put
+from places import TESTS, put
 from reading import assert_says
 
 from budget import load_catalogue, load_device
@@ -195,6 +195,19 @@ def test_a_comparison_keeps_the_change_of_one_variant(tmp_path, monkeypatch):
         *("hg4930.yaml#A, changed", "hg4930.yaml#B", "hg4930.yaml#C"),
     }
     assert call("check", "a.json").code == 0
+
+
+@pytest.mark.parametrize("name", ["analyze", "mission", "compare", "export"])
+def test_a_change_beside_a_result_is_one_of_the_use(name):
+    """What a run left of the parameters stays; what the unit does later is changed."""
+    words = [*CALLS[name], "--procedure", "zhao-2019"]
+    words += ["--measured", str(TESTS / "data" / "measured.json")]
+    words += ["--residual"] * (name == "export")
+    plain = call(*words, "--json", "-").document
+    changed = call(*words, *SET, "--json", "-").document
+    assert "Zhao 2019 optical IMU, changed" in json.dumps(changed)
+    assert "measured.json" in json.dumps(changed["inputs"])
+    assert [*numbers(plain)] != [*numbers(changed)]
 
 
 def test_validity_is_that_of_the_changed_device():
