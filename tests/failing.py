@@ -115,7 +115,7 @@ WRITING = {
     ),
     "new": ("new", "--force", "--line", "gyro.bias_stability=1 deg/h", "a.yaml"),
     "export measured": (
-        *("export", *UNIT, "--to", "gtsam", "--residual"),
+        *("export", *UNIT, "--to", "gtsam", "--residual", "--rate", "200"),
         *("--json", "a.json", "-o", "a.py"),
     ),
     "export": (
@@ -124,11 +124,8 @@ WRITING = {
     ),
 }
 
-NOT_MET = {
-    "compare",
-    "compare csv",
-    "compare measured",
-}  # the paper's device does not meet that grade
+# The paper's device does not meet that grade.
+NOT_MET = {"compare", "compare csv", "compare measured"}
 
 
 def environment(**more):
