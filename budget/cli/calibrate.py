@@ -88,7 +88,6 @@ def calibrate(
     """
     from budget.cli.output import check_destinations, hand_out, pages_asked
     from budget.errors import CallError
-    from budget.inputs import load_device
     from budget.recordings.calibrate import calibrate as find
     from budget.report.calibrated import calibrate_answer, calibrate_document
     from budget.report.correction import CORRECTIONS, correction_code
@@ -106,7 +105,7 @@ def calibrate(
     )
     found = find(
         *runs,
-        device=None if device is None else load_device(device, inputs.changes),
+        device=options.load_sheet(device, inputs.changes),
         recorded=recorded,
         windows=windows,
         as_found=as_found,

@@ -11,7 +11,8 @@ from budget.cli import options
 from budget.settings import Asked, Inputs
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Mapping, Sequence
+    from pathlib import Path
 
     from budget.recordings.printed import MeasuredLot, MeasuredUnit
     from budget.recordings.results import CalibrationChange
@@ -82,7 +83,9 @@ def diff(
 
     names = (first, others[0])
     check_files(out, inputs, (first, *others))
+    stated = options.given(context, Asked, Inputs)
     if all(map(is_result, (first, *others))):
+        _check_taken("two calibrations", stated, {"procedure"}, out.output)
         change = _change(first, others, inputs)
         hand_out(
             [
@@ -94,6 +97,7 @@ def diff(
         )
         return
     if all(map(is_result, others)):
+        _check_taken("units of a lot", stated, {"changes"}, out.output)
         lot = lot_of(load_device(first, inputs.changes), read_results(others))
         hand_out(
             [
@@ -106,8 +110,7 @@ def diff(
         return
     stored = [_reference(name) for name in names]
     given = Stored.of(asked, inputs)
-    stated = options.given(context, Asked, Inputs)
-    own = [f"--{name}" for name in stated if name != "changes"]
+    own = [flag for name, flag in stated.items() if name != "changes"]
     if any(stored) and own:
         raise CallError(
             "a reference has its own procedure, mission and settings, and a device "
@@ -121,6 +124,7 @@ def diff(
     ]
     taken = _changed(taken, inputs.changes, job)
     if model is None and (made := _measured(first, others, inputs)) is not None:
+        _check_taken("units that were measured", stated, {"procedure"})
         _hand_out_measured(context, out, made)
         return
     if len(others) > 1:
@@ -128,11 +132,7 @@ def diff(
             f"{len(others) + 1} are given, expected 2: several are held beside a data "
             "sheet where each is a device file of recordings (`budget characterise`)"
         )
-    if out.output:
-        raise CallError(
-            f"-o {out.output[0]}: of two budgets there is no page; it is of a device "
-            "file of recordings (`budget characterise`) beside a data sheet"
-        )
+    _check_taken("two budgets", stated, stated, out.output)
     settings = given if model is None else model.settings
     sides = []
     for name, one, files in zip(names, stored, taken, strict=True):
@@ -149,6 +149,33 @@ def diff(
         lambda: difference_sections(difference),
         language=out.language,
     )
+
+
+def _check_taken(
+    what: str,
+    stated: Mapping[str, str],
+    taken: Collection[str],
+    pages: Sequence[Path] = (),
+) -> None:
+    """Refuse pages of what has none, and options that it would leave out in silence.
+
+    Raises
+    ------
+    CallError
+        A page is asked for, or an option is not among those that are taken.
+    """
+    from budget.errors import CallError
+
+    if pages:
+        raise CallError(
+            f"-o {pages[0]}: of {what} there is no page; it is of a device file of "
+            "recordings (`budget characterise`) beside a data sheet"
+        )
+    idle = [flag for name, flag in stated.items() if name not in taken]
+    if idle:
+        raise CallError(
+            f"nothing of {what} changes with {' and '.join(idle)}; leave that out"
+        )
 
 
 def _change(first: str, others: Sequence[str], inputs: Inputs) -> CalibrationChange:

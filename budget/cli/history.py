@@ -46,7 +46,6 @@ def history(
     left out.
     """
     from budget.cli.output import check_destinations, hand_out, pages_asked
-    from budget.inputs import load_device
     from budget.recordings.history import history as find
     from budget.report.calibration_history import history_answer, history_document
     from budget.report.document import json_text, table_csv
@@ -58,7 +57,7 @@ def history(
     )
     found = find(
         *results,
-        device=None if device is None else load_device(device, inputs.changes),
+        device=options.load_sheet(device, inputs.changes),
         inputs=inputs,
         asked=asked,
     )

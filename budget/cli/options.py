@@ -349,15 +349,15 @@ def _spelled_out(command: Callable[..., None], *, job: str) -> Callable[..., Non
     return called
 
 
-def given(context: typer.Context, *kinds: type) -> list[str]:
-    """Return what a call states of the rows of some records."""
-    names = {name for kind in kinds for name in every_row(kind)}
+def given(context: typer.Context, *kinds: type) -> dict[str, str]:
+    """Return what a call states of the rows of some records, each with its option."""
+    flags = {name: row.flag for one in kinds for name, row in every_row(one).items()}
     found = ((name, context.get_parameter_source(name)) for name in context.params)
-    return [
-        name
+    return {
+        name: flags[name]
         for name, source in found
-        if name in names and source is not None and source.name == "COMMANDLINE"
-    ]
+        if name in flags and source is not None and source.name == "COMMANDLINE"
+    }
 
 
 def _option(row: Row) -> Parameter:
@@ -512,6 +512,29 @@ def load_units(
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
     return [*loaded], bool(issues)
+
+
+def load_sheet(device: str | None, changes: Sequence[str]) -> Device | None:
+    """Load the data sheet beside what was measured, where one is given.
+
+    Raises
+    ------
+    CallError
+        None is, and changes are laid over it.
+    SpecError
+        It cannot be read.
+    """
+    from budget.errors import CallError
+    from budget.inputs import load_device
+
+    if device is not None:
+        return load_device(device, changes)
+    if changes:
+        raise CallError(
+            "--set changes values of a data sheet, and none is given; add --device, or "
+            "leave it out"
+        )
+    return None
 
 
 def _told(issues: Sequence[Issue]) -> Iterator[str]:

@@ -100,10 +100,10 @@ def simulate(
     check_destinations(None, None, *files, inputs=[device, *inputs.files])
     if files.count(options.STDOUT) > 1:
         raise CallError("-o - and --truth - would both write to stdout; name a file")
-    if static is not None and (means or blunder):
+    if static is not None and (means or blunder or inputs.station is not None):
         raise CallError(
-            "--means and --blunder are of a calibration, and --static of a unit at "
-            "rest; leave one or the others out"
+            "--means, --blunder and --station are of a calibration, and --static of a "
+            "unit at rest; leave one or the others out"
         )
     unit = load_device(device, inputs.changes)
     made: SimulatedReadings

@@ -131,12 +131,17 @@ def characterise(
     ------
     CallError
         The recordings do not belong together, or nothing says how fast they are; the
-        attitude is none, or no procedure says where it was.
+        attitude is none, or no procedure says where it was; or one says it of none.
     SpecError
         Everything that is wrong with a file, each at its line.
     """
     if not logs:
         raise CallError("no recording is given; name the file of one")
+    if attitude is None and inputs.procedure is not None:
+        raise CallError(
+            "a procedure says at what place a bias is found, of which there is none "
+            "without --attitude; add it, or leave --procedure out"
+        )
     rest = None if attitude is None else _rest(attitude, inputs)
     recordings = recorded.load(*logs)
     runs = _read(recordings, engine)

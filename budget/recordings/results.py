@@ -10,6 +10,7 @@ estimator makes of readings with the mistake, d' C^-1 d less (d - D)' C^-1 (d - 
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
@@ -74,6 +75,7 @@ UNITS = (
     | dict.fromkeys(ORDERS, "ug/g^2")
 )
 Key = tuple[str, str, str]
+_IS_RESULT = re.compile(rb'"command"\s*:\s*"calibrate"')
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -130,13 +132,13 @@ class CalibrationResult:
 
 
 def is_result(name: File) -> bool:
-    """Whether a file is a result of `budget calibrate`, by its first words."""
+    """Whether a file is of `budget calibrate`, however it is laid out, or cut off."""
     path = find(name, "device").path
     if path.suffix.lower() != ".json":
         return False
     try:
         with path.open("rb") as stream:
-            return b'"command": "calibrate"' in stream.read(400)
+            return _IS_RESULT.search(stream.read(MOST_BYTES)) is not None
     except OSError:
         return False
 

@@ -153,6 +153,47 @@ def test_diff_says_it(folder):
     assert call("diff", a, earth, a).code == 2
 
 
+WIDER = ("--set", "gyro.bias_stability=1 deg/h")
+
+
+@pytest.mark.parametrize(
+    ("words", "idle"),
+    [
+        (("diff", "a.json", "earth.json"), ("-o", "page.html")),
+        (("diff", "mems.yaml", "a.json", "earth.json"), ("-o", "page.html")),
+        (("diff", "a.json", "earth.json"), ("--mission", "bench")),
+        (("diff", "a.json", "earth.json"), WIDER),
+        (("diff", "mems.yaml", "a.json", "earth.json"), ("--procedure", SIX)),
+        (("history", "a.json"), WIDER),
+        (("calibrate", "a.csv", "--procedure", SIX), WIDER),
+        (
+            ("simulate", "mems.yaml", "--static", "9 s", "-o", "s.csv"),
+            ("--station", "ideal"),
+        ),
+        (("characterise", "a.csv"), ("--procedure", SIX)),
+    ],
+)
+def test_what_changes_nothing_is_refused(folder, monkeypatch, words, idle):
+    """A page or an option is never left out in silence: it is named."""
+    monkeypatch.chdir(folder)
+    before = {*folder.iterdir()}
+    assert idle[0] in call(*words, *idle, code=2).err
+    assert {*folder.iterdir()} == before
+
+
+def test_a_result_is_known_however_it_is_laid_out(folder, tmp_path):
+    """Sorted, on one line, without spaces: a result, and never a device file."""
+    made = json.loads((folder / "a.json").read_text(encoding="utf-8"))
+    path = tmp_path / "a.json"
+    for spaces in ((",", ":"), (" ,", " : ")):
+        path.write_text(
+            json.dumps(made, sort_keys=True, separators=spaces), encoding="utf-8"
+        )
+        assert is_result(path)
+    path.write_text('{"command": "compare"}', encoding="utf-8")
+    assert not is_result(path)
+
+
 def units(folder, spread, n=6):
     """Write results of a lot whose biases x spread by so much of what is printed."""
     whole = json.loads((folder / "a.json").read_text(encoding="utf-8"))
