@@ -107,20 +107,25 @@ class RotationRun:
 
     def _turns(self, mistake: Mistake) -> MeasuredTurns:
         """Return the turns with a mistake undone."""
-        undone = np.eye(3) / mistake.factor
-        if mistake.mix:
-            undone = np.array(mistake.mix).T @ undone
         place = mistake.place or self.place
-        return replace(self.turns.scaled(undone), earth=place.earth)
+        turns = replace(self.turns, down=self.turns.down @ _of_unit(mistake))
+        undone = _mix(mistake).T / mistake.factor
+        return replace(turns.scaled(undone), earth=place.earth)
 
     def _solve(self, mistake: Mistake) -> _Solved:
         """Return what is left with a mistake undone."""
         turns = self._turns(mistake)
         found, _ = turns.solve(self.held)
-        return self._put_together(turns.follow(found), found)
+        return self._put_together(turns, found, _of_unit(mistake))
 
-    def _put_together(self, now: FollowedTurns, found: CalibratedTriad) -> _Solved:
-        """Return F with its covariance, at values of the gyro."""
+    def _put_together(
+        self, turns: MeasuredTurns, found: CalibratedTriad, mix: Array
+    ) -> _Solved:
+        """Return F of turns with its covariance, at values of the gyro.
+
+        The accelerometers read their directions, (n, 3), by a mistake's `mix`.
+        """
+        now = turns.follow(found)
         windows = now.windows
         schedule = Schedule(windows=windows)
         n, n_a = len(windows), len(self.turns.dwells)
@@ -129,11 +134,11 @@ class RotationRun:
         B = np.swapaxes(by_rate, 1, 2).reshape(-1, 3 * n)
         C = B @ joint_covariance(self.sensor, self.procedure, schedule) @ B.T
         dwells = Schedule(windows=tuple(w for w in windows if not w.sense))
-        own, kept = self._of_directions(now)
+        own, kept = self._of_directions(now, mix)
         C_a = joint_covariance(self.beside, self.procedure, dwells)
         G = own.reshape(-1, 3 * n_a)
         C = C + G @ C_a @ G.T
-        across = self._across(now)
+        across = self._across(now, turns)
         g = float(np.linalg.norm(self.norm.gravity))
         prior = prior_of(self.beside, g).u[self.norm.held.held]
         largest = max(float(np.abs(one.rates).max()) for one in self.turns.turns)
@@ -148,18 +153,18 @@ class RotationRun:
             off=p - nominal_of(self.held),
         )
 
-    def _across(self, now: FollowedTurns) -> Array:
+    def _across(self, now: FollowedTurns, turns: MeasuredTurns) -> Array:
         """Return what takes of F of each leg two components across gravity."""
         rows = len(now.misfit)
         legs = len(now.legs)
         found = np.zeros((rows - legs, rows))
         for k, leg in enumerate(now.legs):
-            _, _, axes = np.linalg.svd(self.turns.down[leg.last][None])
+            _, _, axes = np.linalg.svd(turns.down[leg.last][None])
             found[2 * k : 2 * k + 2, 3 * k : 3 * k + 3] = axes[1:]
         found[2 * legs :, 3 * legs :] = np.eye(rows - 3 * legs)
         return found
 
-    def _of_directions(self, now: FollowedTurns) -> tuple[Array, Array]:
+    def _of_directions(self, now: FollowedTurns, mix: Array) -> tuple[Array, Array]:
         """Return dF/de of the accelerometers, (rows, 3, n_a), e of y/K; and by held.
 
         A direction is off by its own reading and by what all make of the values: ds =
@@ -177,11 +182,12 @@ class RotationRun:
         ds = np.einsum("vip,pwj->viwj", shown[:, :, self.norm.held.estimated], dp)
         for k in range(n):
             ds[k, :, k] += back
-        own = np.einsum("rvi,viwj->rjw", now.by_direction, ds) / g
+        by_direction = now.by_direction @ mix.T  # of what is read
+        own = np.einsum("rvi,viwj->rjw", by_direction, ds) / g
         held = shown[:, :, self.norm.held.held]
         by_held = -2.0 * W @ np.einsum("wi,wip->wp", down * g, held)
         held = held + shown[:, :, self.norm.held.estimated] @ by_held
-        kept = np.einsum("rvi,vip->rp", now.by_direction, held) / g
+        kept = np.einsum("rvi,vip->rp", by_direction, held) / g
         return own, kept
 
     # ---- is it sound -----------------------------------------------------------------
@@ -244,6 +250,7 @@ class RotationRun:
             Mistake(name="earth_rate_missing", place=replace(place, earth_rate=0.0)),
             Mistake(name="latitude_sign", place=moved_to(place, -place.latitude)),
             *of_axes(),
+            *(replace(one, is_of_unit=True) for one in of_axes()),
             *of_units(self.sensor.kind, self.procedure.sample_rate),
         )
 
@@ -264,7 +271,7 @@ class RotationRun:
         still, turns = turns_of_rows(windows, rates)
         own = replace(self.turns, still=rates[:, still], turns=turns)
         nominal = triad_of(nominal_of(self.held))
-        of = self._put_together(own.follow(nominal), nominal)
+        of = self._put_together(own, nominal, np.eye(3))
         V = of.covariance + of.spread @ of.spread.T
         return own, root_of(V, self.sensor.kind), of.misfit
 
@@ -274,15 +281,13 @@ class RotationRun:
         Of one that reads what the nominal unit would.
         """
         turns, root, base = self._nominal
-        done = np.eye(3) * mistake.factor
-        if mistake.mix:
-            done = np.array(mistake.mix) @ done
-        turns = turns.scaled(done)
+        turns = turns.scaled(_mix(mistake) * mistake.factor)
+        turns = replace(turns, down=turns.down @ _of_unit(mistake).T)
         if mistake.place is not None:
             # What it reads of its true earth rate the procedure's does not take off.
             turns = replace(turns, earth=2.0 * turns.earth - mistake.place.earth)
         wrong = turns.follow(triad_of(nominal_of(self.held)))
-        shift = self._across(wrong) @ wrong.misfit - base
+        shift = self._across(wrong, turns) @ wrong.misfit - base
         z = np.linalg.solve(root, shift)
         return seen_with(float(z @ z), self.prior.degrees_of_freedom)
 
@@ -311,3 +316,13 @@ class RotationRun:
         tried.sort(key=lambda each: each[0])
         found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
         return likeliest(sound, found_)
+
+
+def _mix(mistake: Mistake) -> Array:
+    """Return readings of true axes, (3, 3)."""
+    return np.array(mistake.mix) if mistake.mix else np.eye(3)
+
+
+def _of_unit(mistake: Mistake) -> Array:
+    """Return those of the accelerometers, where both triads have a mistake."""
+    return _mix(mistake) if mistake.is_of_unit else np.eye(3)

@@ -315,11 +315,11 @@ class MeasuredTurns:
 
     def scaled(self, undone: Array) -> MeasuredTurns:
         """Return the same with readings multiplied by a matrix, (3, 3)."""
-        return replace(
-            self,
-            still=undone @ self.still,
-            turns=tuple(replace(one, rates=undone @ one.rates) for one in self.turns),
-        )
+        turns = []
+        for one in self.turns:
+            lengths, rates = _in_parts(one.lengths, undone @ one.rates)
+            turns.append(replace(one, lengths=lengths, rates=rates))
+        return replace(self, still=undone @ self.still, turns=tuple(turns))
 
 
 def nominal_of(held: Held) -> Array:
@@ -410,14 +410,21 @@ def turns_of_rows(
                 f"window {k + 1} ({windows[k].name}) turns by {angles.max():.3g} rad, "
                 f"expected {MOST_TURNED:g} at the most; is its unit the right one?"
             )
-        parts = np.maximum(1, np.ceil(angles / STEP)).astype(int)
+        lengths, own = _in_parts(lengths, own)
         found.append(
             MeasuredTurn(
                 first=number,
                 last=number + 1,
                 start=windows[a + 1].start,
-                lengths=np.repeat(lengths / parts, parts),
-                rates=np.repeat(own, parts, axis=1),
+                lengths=lengths,
+                rates=own,
             )
         )
     return still, tuple(found)
+
+
+def _in_parts(lengths: Array, rates: Array) -> tuple[Array, Array]:
+    """Return samples, (n,) and (3, n), in equal parts of STEP at the most."""
+    angles = np.linalg.norm(rates, axis=0) * lengths
+    parts = np.maximum(1, np.ceil(angles / STEP)).astype(int)
+    return np.repeat(lengths / parts, parts), np.repeat(rates, parts, axis=1)

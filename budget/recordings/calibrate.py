@@ -113,6 +113,8 @@ class _Triad:
     has_counts : bool
     turns : MeasuredTurns or None
         Of a gyro that is found by them; its windows are dwells.
+    is_found : bool
+        Whether they fit any values; else those are nominal, and not given out.
     """
 
     sensor: Sensor
@@ -124,6 +126,7 @@ class _Triad:
     found: CalibratedTriad
     has_counts: bool
     turns: MeasuredTurns | None = None
+    is_found: bool = True
 
     @property
     def scaled(self) -> Array:
@@ -321,7 +324,7 @@ def _with_gyro(
     )
     if not np.isfinite(turns.still).all():
         raise CallError(sentence("calibrations.no_moves"))
-    found, _ = turns.solve(held)
+    found, is_found = turns.solve(held)
     there = replace(there, windows=turns.follow(found).windows)
     schemes = schemes_of([sensors[GYRO], norm.sensor], there)
     still = _Triad(
@@ -334,6 +337,7 @@ def _with_gyro(
         found=found,
         has_counts=False,
         turns=turns,
+        is_found=is_found,
     )
     return there, [still, replace(norm, scheme=schemes[norm.sensor.kind])]
 
@@ -658,7 +662,8 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         Nothing says how sure values are.
     """
     read, how, there = given.read, given.how, given.there
-    made = _Made.of(triads, there, given.unit)
+    valued = [one for one in triads if one.is_found]
+    made = _Made.of(valued, there, given.unit)
     sound: dict[str, AnyRun] = {}
     untold: dict[str, str] = {}
     for one in triads if given.unit is not None else ():
@@ -690,7 +695,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     lower |= {IMU} if lower else set()
     outputs = tuple(
         one if is_bad else _judged(one, is_lower=one.sensor in lower)
-        for one in _as_found(_outputs(triads, made, given), made, given)
+        for one in _as_found(_outputs(valued, made, given), made, given)
     )
     judged = {
         Name(one.parameter, owner=one.sensor, axis=one.axis)
@@ -711,8 +716,8 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         coverage=given.coverage,
         inputs=tuple(_files(given)),
         outputs=outputs,
-        covariance=tuple(map(tuple, _printed_covariance(triads, made).tolist())),
-        matrix=tuple(_matrix(one, made) for one in triads),
+        covariance=tuple(map(tuple, _printed_covariance(valued, made).tolist())),
+        matrix=tuple(_matrix(one, made) for one in valued),
         windows=windows,
         chi_square=tuple(_chi(kind, one.residual) for kind, one in sound.items()),
         prior=tuple(_chi(kind, one.prior) for kind, one in sound.items()),
