@@ -324,6 +324,8 @@ def _with_gyro(
     )
     if not np.isfinite(turns.still).all():
         raise CallError(sentence("calibrations.no_moves"))
+    every = np.hstack([turns.still, *(one.rates for one in turns.turns)])
+    _check_connected(GYRO, every)
     found, is_found = turns.solve(held)
     there = replace(there, windows=turns.follow(found).windows)
     schemes = schemes_of([sensors[GYRO], norm.sensor], there)
@@ -414,13 +416,18 @@ def _triads(
                 f"it, or let the window be of the other triad alone (use)"
             )
         scheme = schemes_of([sensor], procedure)[kind]
-        still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
-        if len(still):
-            raise CallError(
-                f"{read.name}: {kind}_{'xyz'[still[0]]} reads the same in all windows; "
-                "is the channel connected, and its column the right one?"
-            )
+        _check_connected(f"{read.name}: {kind}", readings)
         yield _triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
+
+
+def _check_connected(name: str, readings: Array) -> None:
+    """Refuse a channel that reads the same all the time, (3, n)."""
+    still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
+    if len(still):
+        raise CallError(
+            f"{name}_{AXES[still[0]]} reads the same in all windows; is the channel "
+            "connected, and its column the right one?"
+        )
 
 
 def _triad(
@@ -1299,6 +1306,13 @@ def _warnings(
         (
             read.turns_left_out,
             sentence("calibrations.turns_left_out", turns=read.turns_left_out),
+        ),
+        *(
+            (
+                not one.is_found,
+                sentence("calibrations.not_solved", sensor=one.sensor.kind),
+            )
+            for one in triads
         ),
         (not_judged, sentence("calibrations.not_judged", names=not_judged)),
         *(
