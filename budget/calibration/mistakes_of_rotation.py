@@ -138,7 +138,7 @@ class RotationRun:
         C_a = joint_covariance(self.beside, self.procedure, dwells)
         G = own.reshape(-1, 3 * n_a)
         C = C + G @ C_a @ G.T
-        across = self._across(now, turns)
+        across = _across(turns)
         g = float(np.linalg.norm(self.norm.gravity))
         prior = prior_of(self.beside, g).u[self.norm.held.held]
         largest = max(float(np.abs(one.rates).max()) for one in self.turns.turns)
@@ -152,17 +152,6 @@ class RotationRun:
             spread=across @ spread,
             off=p - nominal_of(self.held),
         )
-
-    def _across(self, now: FollowedTurns, turns: MeasuredTurns) -> Array:
-        """Return what takes of F of each leg two components across gravity."""
-        rows = len(now.misfit)
-        legs = len(now.legs)
-        found = np.zeros((rows - legs, rows))
-        for k, leg in enumerate(now.legs):
-            _, _, axes = np.linalg.svd(turns.down[leg.last][None])
-            found[2 * k : 2 * k + 2, 3 * k : 3 * k + 3] = axes[1:]
-        found[2 * legs :, 3 * legs :] = np.eye(rows - 3 * legs)
-        return found
 
     def _of_directions(self, now: FollowedTurns, mix: Array) -> tuple[Array, Array]:
         """Return dF/de of the accelerometers, (rows, 3, n_a), e of y/K; and by held.
@@ -286,8 +275,8 @@ class RotationRun:
         if mistake.place is not None:
             # What it reads of its true earth rate the procedure's does not take off.
             turns = replace(turns, earth=2.0 * turns.earth - mistake.place.earth)
-        wrong = turns.follow(triad_of(nominal_of(self.held)))
-        shift = self._across(wrong, turns) @ wrong.misfit - base
+        misfit = turns.misfit(triad_of(nominal_of(self.held)))
+        shift = _across(turns) @ misfit - base
         z = np.linalg.solve(root, shift)
         return seen_with(float(z @ z), self.prior.degrees_of_freedom)
 
@@ -311,11 +300,22 @@ class RotationRun:
             turns = self._turns(one)
             found, is_found = turns.solve(self.held)
             if is_found:
-                misfit = turns.follow(found).misfit
+                misfit = turns.misfit(found)
                 tried.append((float(misfit @ misfit), one))
         tried.sort(key=lambda each: each[0])
         found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
         return likeliest(sound, found_)
+
+
+def _across(turns: MeasuredTurns) -> Array:
+    """Return what takes of F of each leg two components across gravity."""
+    legs, rest = len(turns.turns), 3 * len(turns.dwells)
+    found = np.zeros((2 * legs + rest, 3 * legs + rest))
+    for k, leg in enumerate(turns.turns):
+        _, _, axes = np.linalg.svd(turns.down[leg.last][None])
+        found[2 * k : 2 * k + 2, 3 * k : 3 * k + 3] = axes[1:]
+    found[2 * legs :, 3 * legs :] = np.eye(rest)
+    return found
 
 
 def _mix(mistake: Mistake) -> Array:

@@ -10,7 +10,7 @@ is in the angle, and no error of the estimate, which is of the samples themselve
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from math import asin, atan2, cos, sin
@@ -31,7 +31,7 @@ from budget.model.windows import INNER, POINTS, STEP, Setting, Window
 from budget.units import DEG_PER_HOUR
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from budget.arrays import Array
     from budget.model.scheme import Held
@@ -152,6 +152,51 @@ class MeasuredTurn:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class _Part:
+    """A dwell, a step of a turn, or where a turn has led to.
+
+    Attributes
+    ----------
+    attitude : ndarray, shape (3, 3)
+        From east-north-up to body axes, before it.
+    start, length : float
+        [s].
+    vector : ndarray, shape (3,)
+        Turn of the body [rad].
+    leg : MeasuredTurn or None
+        The turn that has led here.
+    """
+
+    attitude: Array
+    start: float
+    length: float = 0.0
+    vector: Array = field(default_factory=lambda: np.zeros(3))
+    leg: MeasuredTurn | None = None
+
+    @property
+    def is_dwell(self) -> bool:
+        """Whether it is none of a turn."""
+        return self.leg is None and self.length == 0.0
+
+    def window(self, name: str) -> Window:
+        """Return a step as a window."""
+        angle = float(np.linalg.norm(self.vector))
+        about = (self.vector / angle if angle else UP).tolist()
+        return Window(
+            name=name,
+            start=self.start,
+            length=self.length,
+            setting=replace(
+                _standing(self.attitude),
+                turning=INNER,
+                angle=max(angle, LEAST),
+                about=tuple(about),
+            ),
+            use="gyro",
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class FollowedTurns:
     """Turns followed with the parameters of a gyro.
 
@@ -205,87 +250,87 @@ class MeasuredTurns:
         """Of the dwells [s]."""
         return np.array([one.length for one in self.dwells])
 
-    def follow(self, found: CalibratedTriad) -> FollowedTurns:
-        """Follow the turns by the parameters of the gyro, (12,)."""
+    def _shown(self, found: CalibratedTriad, readings: Array) -> Array:
+        """Return the rates that a gyro of such parameters read, (3, n)."""
         M = np.eye(3) + tilt_matrix(found.mounting_angle)
         K, b = found.scale_factor[:, None], found.bias[:, None]
+        return np.asarray(np.linalg.solve(M, readings / K - b))
 
-        def shown(readings: Array) -> Array:
-            return np.asarray(np.linalg.solve(M, readings / K - b))
-
-        windows: list[Window] = []
-        legs, misfit, vectors, rates = [], [], [], []
+    def _trace(self, found: CalibratedTriad) -> Iterator[_Part]:
+        """Yield dwells and what is between them, each with how it stands before it."""
         by_first = {one.first: one for one in self.turns}
-        still = shown(self.still).T
+        last = len(self.dwells) - 1
         C = leaned(self.dwells[0].setting.to_body, self.down[0])
-        standing = []
-        for k, dwell in enumerate(self.dwells):
-            setting = _standing(C)
-            windows.append(replace(dwell, setting=setting, use="both"))
-            standing.append(C @ self.earth)
-            vectors.append(np.zeros(3))
-            rates.append(still[k])
+        for k in range(len(self.dwells)):
+            yield _Part(attitude=C, start=self.dwells[k].start)
             turn = by_first.get(k)
-            if turn is None:
-                if k + 1 < len(self.dwells):
-                    nominal = self.dwells[k + 1].setting.to_body
-                    C = leaned(nominal, self.down[k + 1])
-                continue
-            places = []
-            at: Setting = setting
-            start = turn.start
-            own = shown(turn.rates).T
-            for first, last, product in _steps(own, turn.lengths, C, self.earth):
-                length = float(turn.lengths[first:last].sum())
-                vector = _vector(product)
-                angle = max(float(np.linalg.norm(vector)), LEAST)
-                about = tuple((vector / angle).tolist())
-                if not vector.any():
-                    about = (0.0, 0.0, 1.0)
-                step = FreeSetting(
-                    outer=at.outer,
-                    middle=at.middle,
-                    inner=at.inner,
-                    turning=INNER,
-                    angle=angle,
-                    about=about,
-                )
-                places.append(len(windows))
-                windows.append(
-                    Window(
-                        name=f"{dwell.name} on, {len(places)}",
+            if turn is not None:
+                start = turn.start
+                own = self._shown(found, turn.rates).T
+                for first, end, product in _steps(own, turn.lengths, C, self.earth):
+                    length = float(turn.lengths[first:end].sum())
+                    yield _Part(
+                        attitude=C,
                         start=start,
                         length=length,
-                        setting=step,
-                        use="gyro",
+                        vector=_vector(product),
+                    )
+                    start += length
+                    C = product @ C
+                yield _Part(attitude=C, start=start, leg=turn)
+                C = leaned(C, self.down[turn.last])
+            elif k < last:
+                C = leaned(self.dwells[k + 1].setting.to_body, self.down[k + 1])
+
+    def misfit(self, found: CalibratedTriad) -> Array:
+        """Return F of parameters of the gyro, (12,): (3 turns + 3 dwells,) [rad]."""
+        return self._misfit(found, tuple(self._trace(found)))
+
+    def _misfit(self, found: CalibratedTriad, parts: Sequence[_Part]) -> Array:
+        """Return the same of parts."""
+        legs = [self.down[one.leg.last] - one.attitude @ UP for one in parts if one.leg]
+        standing = np.array([one.attitude for one in parts if one.is_dwell])
+        off = self._shown(found, self.still).T - standing @ self.earth
+        return np.concatenate([*legs, *(off * self.lengths[:, None])])
+
+    def follow(self, found: CalibratedTriad) -> FollowedTurns:
+        """Follow the turns by the parameters of the gyro, (12,)."""
+        parts = tuple(self._trace(found))
+        steps = [one for one in parts if not one.leg]
+        windows: list[Window] = []
+        legs: list[RotationLeg] = []
+        places: list[int] = []
+        dwells = iter(self.dwells)
+        for one in parts:
+            if one.leg:
+                legs.append(
+                    RotationLeg(
+                        first=one.leg.first, last=one.leg.last, steps=tuple(places)
                     )
                 )
-                vectors.append(angle * np.array(about))
-                rates.append(vectors[-1] / length + step.to_body @ self.earth)
-                start += length
-                at = step.after(angle)
-                C = product @ C
-            u = C @ UP
-            seen = self.down[turn.last]
-            # Phi u of the measured direction: C leans to it exactly at the first dwell.
-            misfit.append(seen - u)
-            legs.append(
-                RotationLeg(first=turn.first, last=turn.last, steps=tuple(places))
-            )
-            C = leaned(C, seen)
-        off = (still - np.array(standing)) * self.lengths[:, None]
+            elif one.is_dwell:
+                dwell = next(dwells)
+                setting = _standing(one.attitude)
+                windows.append(replace(dwell, setting=setting, use="both"))
+                places = []
+            else:
+                places.append(len(windows))
+                windows.append(one.window(f"{dwell.name} on, {len(places)}"))
+        is_dwell = np.array([one.is_dwell for one in steps])
+        vectors = np.array([one.vector for one in steps])
         lengths = np.array([one.length for one in windows])
-        by_rate, by_direction = sensitivities(
-            lengths, np.array(vectors), self.down, tuple(legs)
-        )
+        attitudes = np.array([one.attitude for one in steps])
+        rates = vectors / lengths[:, None]
+        rates += mean_rotation(-vectors) @ attitudes @ self.earth
+        rates[is_dwell] = self._shown(found, self.still).T
+        by_rate, by_direction = sensitivities(lengths, vectors, self.down, tuple(legs))
+        M = np.eye(3) + tilt_matrix(found.mounting_angle)
         value = np.column_stack([M, found.bias])
-        slope = np.einsum(
-            "rwi,wip->rp", by_rate, shown_of_errors(np.array(rates), value)
-        )
+        slope = np.einsum("rwi,wip->rp", by_rate, shown_of_errors(rates, value))
         return FollowedTurns(
             windows=tuple(windows),
             legs=tuple(legs),
-            misfit=np.concatenate([*misfit, *off]),
+            misfit=self._misfit(found, parts),
             by_rate=by_rate,
             by_direction=by_direction,
             slope=slope,
