@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from budget.model.response import CalibratedTriad
     from budget.model.scheme import Held
 
+LIKELY = 8  # mistakes with the least misfit of nominal values, that are solved
 CLOSE = 3  # mistakes with the least misfit, that are held against the covariance
 
 
@@ -290,19 +291,25 @@ class RotationRun:
     def looks_like(self) -> LooksLike | None:
         """What it looks like if it is not sound; None where no known mistake fits.
 
-        Those of the least misfit alone are held against the covariance.
+        Those of the least misfit at the nominal values are solved; of these the least
+        are held against the covariance.
         """
         if self.is_sound:
             return None
-        sound, _ = self.fit(Mistake(name=""))
+        nominal = triad_of(nominal_of(self.held))
+
+        def left(one: Mistake) -> float:
+            return float(np.linalg.norm(self._turns(one).misfit(nominal)))
+
+        likely = sorted(filter(self.is_seen, self.known), key=left)[:LIKELY]
         tried = []
-        for one in filter(self.is_seen, self.known):
+        for one in likely:
             turns = self._turns(one)
             found, is_found = turns.solve(self.held)
             if is_found:
-                misfit = turns.misfit(found)
-                tried.append((float(misfit @ misfit), one))
+                tried.append((float(np.linalg.norm(turns.misfit(found))), one))
         tried.sort(key=lambda each: each[0])
+        sound, _ = self.fit(Mistake(name=""))
         found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
         return likeliest(sound, found_)
 
