@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -15,6 +14,8 @@ from budget.calibration.schemes import held_of
 from budget.errors import CallError
 from budget.inputs import load_device, load_procedure
 from budget.model.measured import MeasuredTurn, MeasuredTurns, nominal_of, triad_of
+from budget.model.response import tilt_matrix
+from budget.model.rotation import rotation
 from budget.model.windows import Setting, Window
 from budget.recordings import calibrate as module
 from budget.recordings.calibrate import calibrate
@@ -97,7 +98,7 @@ def test_two_quarter_turns_by_hand():
     off[0] = 1.0 + 1e-4  # x: less angle is seen, and up does not come to y
     misfit = turns.misfit(triad_of(off))
     angle = QUARTER * (1.0 - 1.0 / (1.0 + 1e-4))
-    assert_allclose(misfit[:3], [0.0, 1.0 - np.cos(angle), -np.sin(angle)], rtol=1e-9)
+    assert_allclose(misfit[:3], [0.0, 1.0 - np.cos(angle), -np.sin(angle)], atol=1e-13)
     assert_allclose(misfit[3:6], 0.0, atol=1e-12)  # the second turns about up
 
 
@@ -113,8 +114,8 @@ def test_the_slope_is_that_of_differences():
         more = step * np.eye(12)[p]
         high, low = (turns.misfit(triad_of(nominal + s * more)) for s in (1, -1))
         found[:, p] = (high - low) / (2.0 * step)
-    # Joined samples: of the earth's rate within a step, 15 deg of 7e-5 rad/s over 9 s.
-    assert_allclose(now.slope, found, rtol=0.0, atol=3e-4 * np.abs(found).max())
+    # J leaves out what is of the size of F itself, here the earth's 6e-4 rad in 9 s.
+    assert_allclose(now.slope, found, rtol=0.0, atol=2e-3 * np.abs(found).max())
 
 
 def test_turns_without_noise_give_what_was_drawn():
@@ -122,9 +123,7 @@ def test_turns_without_noise_give_what_was_drawn():
     gyro = load_device(MEMS).sensors[0]
     held = held_of("gyro", load_procedure(BY_HAND), gyro)
     rng = np.random.default_rng(3)
-    rates = [np.cross(np.eye(3)[k % 3], [1.0, 2.0, 3.0]) for k in range(18)]
-    from budget.model.response import tilt_matrix
-    from budget.model.rotation import rotation
+    rates = rng.normal(0.0, 1.0, (18, 3))
 
     true = triad_of(
         nominal_of(held)
@@ -166,7 +165,7 @@ def test_turns_without_noise_give_what_was_drawn():
         turns=tuple(turns),
         earth=np.zeros(3),
     )
-    found, is_found = measured.solve(replace(held))
+    found, is_found = measured.solve(held)
     assert is_found
     assert_allclose(found.scale_factor, true.scale_factor, rtol=1e-9)
     assert_allclose(found.mounting_angle, true.mounting_angle, atol=1e-9)
@@ -184,7 +183,6 @@ def said_of(found):
 def test_without_moves_the_gyro_is_left_out(folder):
     """Rows of dwells alone: accelerometers as ever, and why the gyro has none."""
     rows = table()
-    dwells = [rows[0], *rows[1::2]] if False else rows
     how = load_procedure(BY_HAND)
     senses = [one.sense for one in module.windows_of(how)]
     dwells = [rows[0], *(row for row, s in zip(rows[1:], senses, strict=True) if not s)]
