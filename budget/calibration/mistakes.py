@@ -85,6 +85,8 @@ class Mistake:
         Place and axis of a reading that is off by any amount.
     is_free : bool
         Whether an amplitude was fitted.
+    is_of_unit : bool
+        Whether both triads have it.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Mistake:
     factor: float = 1.0
     added: tuple[int, int] | None = None
     is_free: bool = False
+    is_of_unit: bool = False
 
     @property
     def numbers(self) -> tuple[int, ...]:

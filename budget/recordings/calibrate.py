@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from datetime import date as Day  # noqa: N812 - one word with one meaning
 from math import hypot, inf, isnan, log, sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -23,11 +23,13 @@ from budget.calibration.mistakes import (
     prior_of,
 )
 from budget.calibration.mistakes_of_norm import NormRun
+from budget.calibration.mistakes_of_rotation import RotationRun
 from budget.calibration.problem import BIAS_UNITS, calibration_problem
 from budget.calibration.schemes import (
     as_recorded,
     calibrates,
     estimated,
+    held_of,
     is_beside,
     orders_of,
     schemes_of,
@@ -39,8 +41,10 @@ from budget.inputs.files import find
 from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.methods.gum import propagate
 from budget.model.estimators import estimator_of
+from budget.model.measured import MeasuredTurns, turns_of_rows
 from budget.model.norm import NormScheme
 from budget.model.response import COLUMN, ROW, SIGN, tilt_matrix
+from budget.model.rotation import RotationScheme
 from budget.model.source import GYRO, SENSORS
 from budget.names import ANGLES, AXES, IMU, ORDERS, Name, parameters_of
 from budget.recordings.calibrated import (
@@ -79,6 +83,7 @@ if TYPE_CHECKING:
     from budget.recordings.results import CalibrationResult, Key
     from budget.recordings.window_table import RecordedWindows
 
+AnyRun = TriadRun | NormRun | RotationRun
 STEP = 1e-4  # of readings over the largest, that the estimate is differentiated by [1]
 SHOWN = 0.95  # probability of being seen, below which a mistake may be missed [1]
 WORST = 3  # windows that are named
@@ -106,6 +111,10 @@ class _Triad:
     found : CalibratedTriad
         Of readings so scaled.
     has_counts : bool
+    turns : MeasuredTurns or None
+        Of a gyro that is found by them; its windows are dwells.
+    is_found : bool
+        Whether they fit any values; else those are nominal, and not given out.
     """
 
     sensor: Sensor
@@ -116,6 +125,8 @@ class _Triad:
     zero: Array
     found: CalibratedTriad
     has_counts: bool
+    turns: MeasuredTurns | None = None
+    is_found: bool = True
 
     @property
     def scaled(self) -> Array:
@@ -168,6 +179,10 @@ class _Triad:
             shown = np.linalg.solve(M, self.scaled / K - b)
             g = float(np.linalg.norm(self.scheme.gravity))
             return np.asarray(np.linalg.norm(shown, axis=0)[None] - g)
+        if isinstance(self.scheme, RotationScheme):
+            still = self.scheme.schedule.senses == 0.0
+            shown = np.linalg.solve(M, self.scaled / K - b)
+            return np.asarray(shown - self.scheme.standing[still].T)
         inputs = (self.scheme.turn + self.scheme.standing).T
         true = M @ inputs + b
         if self.scheme.orders and self.found.higher is not None:
@@ -223,13 +238,17 @@ def calibrate(
     if how.formulas in UNCALIBRATED:
         raise CallError(f"{how.name} is no test of which a run could be recorded")
     recordings = recorded.load(*runs)
+    planned = how
+    if is_beside(how):  # the unit is turned any way from dwell to dwell
+        dwells = tuple(one for one in windows_of(how) if not one.sense)
+        how = replace(how, windows=dwells)
     times = None
     if windows is not None:
         file = find(windows, "recording")
         times = (file.path, file.shown)
     read = read_windows(
         recordings,
-        windows_of(how),
+        windows_of(planned),
         name=how.name,
         times=times,
         knows_attitudes=estimator_of(how.formulas).knows_attitudes,
@@ -237,6 +256,12 @@ def calibrate(
     unit = None if device is None else load_device(device)
     there = as_recorded(how, read.windows)
     triads = [*_triads(read, there, unit)]
+    why = ""
+    if is_beside(planned) and GYRO in read.means:
+        try:
+            there, triads = _with_gyro(read, planned, there, unit, triads)
+        except BudgetError as error:
+            why = str(error)
     if not triads:
         kinds = ", ".join(read.means)
         raise CallError(
@@ -257,8 +282,66 @@ def calibrate(
         serial=serial,
         date=_day(date, recordings, before),
         before=before,
+        left_out=why,
     )
     return _put_together(given, triads)
+
+
+def _with_gyro(
+    read: RecordedWindows,
+    planned: Procedure,
+    there: Procedure,
+    unit: Device | None,
+    triads: Sequence[_Triad],
+) -> tuple[Procedure, list[_Triad]]:
+    """Return a procedure with turns as they were, and triads with the gyro by them.
+
+    Raises
+    ------
+    CallError
+        There is no turn, nothing that they are held against, or they are too few.
+    """
+    norm = next((one for one in triads if isinstance(one.scheme, NormScheme)), None)
+    sensors = {one.kind: one for one in (unit.sensors if unit else ())}
+    if norm is None or GYRO not in sensors:
+        raise CallError(sentence("calibrations.needs_device"))
+    if not read.turns and read.turns_left_out:
+        raise CallError(sentence("calibrations.no_sound_turn"))
+    if not read.turns:
+        raise CallError(sentence("calibrations.no_moves"))
+    if read.has_counts[GYRO]:
+        raise CallError(sentence("calibrations.needs_gain"))
+    held = held_of(GYRO, planned, sensors[GYRO])
+    M = np.eye(3) + tilt_matrix(norm.found.mounting_angle)
+    inner = norm.scaled / norm.found.scale_factor[:, None] - norm.found.bias[:, None]
+    shown = np.linalg.solve(M, inner)
+    turns = MeasuredTurns(
+        dwells=read.windows,
+        down=(shown / np.linalg.norm(shown, axis=0)).T,
+        still=read.means[GYRO],
+        turns=read.turns,
+        earth=there.place.earth,
+    )
+    if not np.isfinite(turns.still).all():
+        raise CallError(sentence("calibrations.no_moves"))
+    every = np.hstack([turns.still, *(one.rates for one in turns.turns)])
+    _check_connected(GYRO, every)
+    found, is_found = turns.solve(held)
+    there = replace(there, windows=turns.follow(found).windows)
+    schemes = schemes_of([sensors[GYRO], norm.sensor], there)
+    still = _Triad(
+        sensor=sensors[GYRO],
+        scheme=schemes[GYRO],
+        numbers=tuple(range(1, len(read.windows) + 1)),
+        readings=turns.still,
+        scale=np.ones(3),
+        zero=np.zeros(3),
+        found=found,
+        has_counts=False,
+        turns=turns,
+        is_found=is_found,
+    )
+    return there, [still, replace(norm, scheme=schemes[norm.sensor.kind])]
 
 
 def _check_limits(wanted: Requirement | None) -> None:
@@ -322,8 +405,6 @@ def _triads(
             continue
         if unit is not None and kind not in there:
             continue
-        if kind == GYRO and is_beside(procedure):
-            continue
         sensor = there.get(kind) or Sensor.bare(kind)
         own = [k for k, one in enumerate(read.windows) if one.use in {kind, "both"}]
         readings = read.means[kind][:, own]
@@ -335,13 +416,18 @@ def _triads(
                 f"it, or let the window be of the other triad alone (use)"
             )
         scheme = schemes_of([sensor], procedure)[kind]
-        still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
-        if len(still):
-            raise CallError(
-                f"{read.name}: {kind}_{'xyz'[still[0]]} reads the same in all windows; "
-                "is the channel connected, and its column the right one?"
-            )
+        _check_connected(f"{read.name}: {kind}", readings)
         yield _triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
+
+
+def _check_connected(name: str, readings: Array) -> None:
+    """Refuse a channel that reads the same all the time, (3, n)."""
+    still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
+    if len(still):
+        raise CallError(
+            f"{name}_{AXES[still[0]]} reads the same in all windows; is the channel "
+            "connected, and its column the right one?"
+        )
 
 
 def _triad(
@@ -583,11 +669,12 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         Nothing says how sure values are.
     """
     read, how, there = given.read, given.how, given.there
-    made = _Made.of(triads, there, given.unit)
-    sound: dict[str, TriadRun | NormRun] = {}
+    valued = [one for one in triads if one.is_found]
+    made = _Made.of(valued, there, given.unit)
+    sound: dict[str, AnyRun] = {}
     untold: dict[str, str] = {}
     for one in triads if given.unit is not None else ():
-        run = _run(one, there)
+        run = _run(one, triads, there)
         try:
             is_told = not run.is_sound or run.residual.degrees_of_freedom > 0
             why = "" if is_told else sentence("calibrations.no_residual")
@@ -615,7 +702,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     lower |= {IMU} if lower else set()
     outputs = tuple(
         one if is_bad else _judged(one, is_lower=one.sensor in lower)
-        for one in _as_found(_outputs(triads, made, given), made, given)
+        for one in _as_found(_outputs(valued, made, given), made, given)
     )
     judged = {
         Name(one.parameter, owner=one.sensor, axis=one.axis)
@@ -636,8 +723,8 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         coverage=given.coverage,
         inputs=tuple(_files(given)),
         outputs=outputs,
-        covariance=tuple(map(tuple, _printed_covariance(triads, made).tolist())),
-        matrix=tuple(_matrix(one, made) for one in triads),
+        covariance=tuple(map(tuple, _printed_covariance(valued, made).tolist())),
+        matrix=tuple(_matrix(one, made) for one in valued),
         windows=windows,
         chi_square=tuple(_chi(kind, one.residual) for kind, one in sound.items()),
         prior=tuple(_chi(kind, one.prior) for kind, one in sound.items()),
@@ -678,6 +765,8 @@ class GivenOfRun:
     serial, date : str
     before : CalibrationResult or None
         Whose correction the unit came with.
+    left_out : str
+        Why the gyro is, where turns between dwells are to tell of it.
     """
 
     read: RecordedWindows
@@ -690,6 +779,7 @@ class GivenOfRun:
     serial: str = ""
     date: str = ""
     before: CalibrationResult | None = None
+    left_out: str = ""
 
     @property
     def in_force(self) -> CorrectionInForce | None:
@@ -700,8 +790,18 @@ class GivenOfRun:
         return CorrectionInForce(**{key: getattr(self.before, key) for key in own})
 
 
-def _run(triad: _Triad, procedure: Procedure) -> TriadRun | NormRun:
+def _run(triad: _Triad, triads: Sequence[_Triad], procedure: Procedure) -> AnyRun:
     """Return what mistakes are looked for in."""
+    beside = next((one for one in triads if isinstance(one.scheme, NormScheme)), None)
+    if isinstance(triad.scheme, RotationScheme) and triad.turns and beside:
+        return RotationRun(
+            sensor=triad.sensor,
+            beside=beside.sensor,
+            procedure=procedure,
+            norm=cast("NormScheme", beside.scheme),
+            held=triad.scheme.held,
+            turns=triad.turns,
+        )
     if isinstance(triad.scheme, NormScheme):
         return NormRun.of(
             triad.sensor,
@@ -732,7 +832,7 @@ def _chi(kind: str, one: ChiSquare) -> RunChiSquare:
     )
 
 
-def _suspicion(kind: str, run: TriadRun | NormRun) -> Suspicion | None:
+def _suspicion(kind: str, run: AnyRun) -> Suspicion | None:
     """Return what a triad's run looks like; None where no known mistake fits."""
     found = run.looks_like
     if found is None:
@@ -744,7 +844,7 @@ def _suspicion(kind: str, run: TriadRun | NormRun) -> Suspicion | None:
     )
 
 
-def unseen_of(kind: str, run: TriadRun | NormRun) -> Iterator[UnseenMistake]:
+def unseen_of(kind: str, run: AnyRun) -> Iterator[UnseenMistake]:
     """Yield the kinds of mistakes that may be missed, with the windows of each."""
     groups: dict[str, list[Mistake]] = {}
     for one in run.known:
@@ -780,9 +880,11 @@ def unseen_mistakes(device: Device, procedure: Procedure) -> UnseenMistakes:
     try:
         for sensor in device.sensors:
             kind = sensor.kind
-            if not calibrates(kind, procedure) or (
-                kind == GYRO and is_beside(procedure)
-            ):
+            if not calibrates(kind, procedure):
+                continue
+            if kind == GYRO and is_beside(procedure):
+                run = _nominal_rotation(sensor, procedure)
+                found += unseen_of(kind, run) if run else ()
                 continue
             scheme = schemes_of([sensor], procedure)[kind]
             inputs = (scheme.turn + scheme.standing).T
@@ -791,10 +893,38 @@ def unseen_mistakes(device: Device, procedure: Procedure) -> UnseenMistakes:
             every = enumerate(windows_of(procedure))
             own = [k for k, one in every if one.use in {kind, "both"}]
             triad = _triad(sensor, scheme, own, readings, is_counted=False)
-            found += unseen_of(kind, _run(triad, procedure))
+            found += unseen_of(kind, _run(triad, (), procedure))
     except BudgetError as error:
         return UnseenMistakes(unseen=(), why=str(error))
     return UnseenMistakes(unseen=tuple(found))
+
+
+def _nominal_rotation(gyro: Sensor, procedure: Procedure) -> RotationRun | None:
+    """Return the turns of a procedure as the nominal gyro would read them."""
+    if gyro.beside is None:
+        return None
+    schemes = schemes_of([gyro, gyro.beside], procedure)
+    scheme, norm = schemes[GYRO], schemes[gyro.beside.kind]
+    if not (isinstance(scheme, RotationScheme) and isinstance(norm, NormScheme)):
+        return None
+    windows = scheme.schedule.windows
+    M = np.eye(3) + tilt_matrix(gyro.nominal_mounting_angle)
+    rates = M @ (scheme.turn + scheme.standing).T + gyro.nominal_bias[:, None]
+    still, turns = turns_of_rows(windows, rates)
+    return RotationRun(
+        sensor=gyro,
+        beside=gyro.beside,
+        procedure=procedure,
+        norm=norm,
+        held=scheme.held,
+        turns=MeasuredTurns(
+            dwells=tuple(windows[k] for k in still),
+            down=norm.force / procedure.gravity,
+            still=rates[:, still],
+            turns=turns,
+            earth=procedure.place.earth,
+        ),
+    )
 
 
 def _pace(read: RecordedWindows, procedure: Procedure) -> float:
@@ -808,7 +938,7 @@ def _pace(read: RecordedWindows, procedure: Procedure) -> float:
 
 
 def _windows(
-    triad: _Triad, read: RecordedWindows, run: TriadRun | NormRun | None
+    triad: _Triad, read: RecordedWindows, run: AnyRun | None
 ) -> Iterator[RunWindow]:
     """Yield the windows of a triad, with what is left of each."""
     kind = triad.sensor.kind
@@ -841,8 +971,10 @@ def _windows(
         )
 
 
-def _residual_u(triad: _Triad, run: TriadRun | NormRun) -> Array:
+def _residual_u(triad: _Triad, run: AnyRun) -> Array:
     """Return standard uncertainties of residuals, (3, n): of (1 - A W) C (1 - A W)'."""
+    if isinstance(run, RotationRun):
+        return run.residual_u()
     if isinstance(run, NormRun):
         J, W = run.sensitivity, np.linalg.pinv(run.sensitivity)
         R = np.eye(len(J)) - J @ W
@@ -1163,7 +1295,25 @@ def _warnings(
         ),
         (far, sentence("calibrations.far", names=far)),
         (not read.has_one_clock, sentence("calibrations.no_pauses")),
-        (left, sentence("calibrations.not_calibrated", sensors=left)),
+        (
+            left and not given.left_out,
+            sentence("calibrations.not_calibrated", sensors=left),
+        ),
+        (
+            given.left_out,
+            sentence("calibrations.gyro_left_out", why=given.left_out),
+        ),
+        (
+            read.turns_left_out,
+            sentence("calibrations.turns_left_out", turns=read.turns_left_out),
+        ),
+        *(
+            (
+                not one.is_found,
+                sentence("calibrations.not_solved", sensor=one.sensor.kind),
+            )
+            for one in triads
+        ),
         (not_judged, sentence("calibrations.not_judged", names=not_judged)),
         *(
             (

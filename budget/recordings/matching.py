@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.errors import CallError
+from budget.names import AXES
 from budget.recordings.rests import NEAR, STILL, RestOrTurn, rests_and_turns
 from budget.recordings.track import MOST_ISSUES, RecordedTrack, WindowSpan
 
@@ -79,7 +80,22 @@ def matched_windows(
         if fits:
             return min(fits, key=lambda one: (not one.is_as_planned, one.price))
     pace = _of_pace(found, windows, tracks)
-    raise CallError(f"{first or name}{_of_gaps(tracks)}{pace or _of_stamps(tracks)}")
+    dead = _of_dead(tracks)
+    why = dead or pace or _of_stamps(tracks)
+    raise CallError(f"{first or name}{_of_gaps(tracks)}{why}")
+
+
+def _of_dead(tracks: Sequence[RecordedTrack]) -> str:
+    """Say which channel reads the same all the time, so that turns are not seen."""
+    for one in tracks:
+        for kind, (_, values) in one.values.items():
+            for axis, own in zip(AXES, values, strict=True):
+                if np.ptp(own) == 0.0:
+                    return (
+                        f". {kind}_{axis} reads the same all the time: is the channel "
+                        "connected, and its column the right one?"
+                    )
+    return ""
 
 
 def _of_gaps(tracks: Sequence[RecordedTrack]) -> str:

@@ -17,6 +17,7 @@ from budget.errors import CallError
 from budget.model.source import GYRO, SENSORS
 from budget.recordings.health import WindowHealth, WindowReadings, ends_of
 from budget.recordings.matching import matched_windows
+from budget.recordings.measured_turns import measured_turns
 from budget.recordings.track import (
     LEAST_SAMPLES,
     RecordedTrack,
@@ -74,7 +75,10 @@ def read_windows(
     first = recordings[0]
     paths = [pair for one in recordings for pair in one.files]
     if len(paths) == 1 and (table := read_table(*paths[0], first)) is not None:
-        return windows_of_table(table, windows, name, paths[0])
+        return windows_of_table(
+            table, windows, name, paths[0], knows_attitudes=knows_attitudes
+        )
+    windows = windows if knows_attitudes else _dwells(windows)
     spans: Sequence[WindowSpan]
     found: Sequence[RestOrTurn] = ()
     is_as_planned = True
@@ -115,6 +119,8 @@ def read_windows(
             kept = min(health[kind][k].kept for kind in kinds)
             length = max(length * kept, LEAST_LENGTH)
         there.append(replace(window, start=start - begin, length=length))
+    between = () if knows_attitudes else spans
+    turns, left_out = measured_turns(tracks, between, begin)
     return RecordedWindows(
         name=", ".join(one.name for one in recordings),
         sha256=tuple(pair for one in tracks for pair in one.sha256),
@@ -128,7 +134,14 @@ def read_windows(
         is_as_planned=is_as_planned,
         has_one_clock=not any(one.offset for one in tracks),
         health={kind: tuple(own) for kind, own in health.items()},
+        turns=turns,
+        turns_left_out=left_out,
     )
+
+
+def _dwells(windows: Sequence[Window]) -> list[Window]:
+    """Return the dwells alone: what is between them is found, and need be no move."""
+    return [one for one in windows if not one.sense]
 
 
 def _parts(

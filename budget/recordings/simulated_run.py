@@ -143,10 +143,15 @@ class SimulatedRun(SimulatedReadings):
         design = windows_of(self.procedure)
         for k, one in enumerate(windows):
             start = found[-1].window.end
-            if k:
+            if k and is_beside(self.procedure):  # from dwell to move without a stand
+                pause = design[k].start - design[k - 1].end
+                if pause > 0.0:
+                    stands = one.setting
+                    found.append(_stand(stands, start, pause))
+            elif k:
                 pause = max(0.0, design[k].start - design[k - 1].end)
                 found += _between(windows[k - 1], one, start, pause)
-                start = found[-1].window.end
+            start = found[-1].window.end
             found.append(RunStep(window=replace(one, start=start), place=k))
         last = windows[-1]
         stands = last.setting.after(last.setting.angle)
@@ -382,11 +387,6 @@ def simulated_run(
             f"rate is {rate!r}, expected {LEAST_RATE:g} to {MOST_RATE:g} Hz, as 200"
         )
     unit = load_device(device)
-    if is_beside(how):
-        raise CallError(
-            f"{how.name} finds the gyro by turns of any kind between its windows, "
-            "which are not simulated; give a procedure without moves"
-        )
     made = SimulatedRun(
         device=unit,
         procedure=how,

@@ -14,7 +14,8 @@ from budget.errors import Issue, SpecError, UnitError
 from budget.inputs.reader import refuse
 from budget.inputs.tree import describe
 from budget.journal import note_read
-from budget.model.source import SENSORS
+from budget.model.measured import turns_of_rows
+from budget.model.source import GYRO, SENSORS
 from budget.names import AXES
 from budget.recordings.columns import CHANNELS, COUNTS, TIME, read_head
 from budget.recordings.tables import ARRAYS
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import Recording
+    from budget.model.measured import MeasuredTurn
     from budget.model.windows import Window
     from budget.recordings.health import WindowHealth
 
@@ -57,6 +59,10 @@ class RecordedWindows:
         Whether the stamps of all recordings go on, if there are several.
     health : mapping of str to tuple of WindowHealth
         By triad, of each window; of a table of means nothing is known of it.
+    turns : tuple of MeasuredTurn
+        From one dwell to another, where attitudes are unknown; windows are then dwells.
+    turns_left_out : tuple of LeftOutTurn
+        Those that have too little that is sound.
     """
 
     name: str
@@ -68,6 +74,19 @@ class RecordedWindows:
     is_as_planned: bool = True
     has_one_clock: bool = True
     health: Mapping[str, tuple[WindowHealth, ...]] = field(default_factory=dict)
+    turns: tuple[MeasuredTurn, ...] = ()
+    turns_left_out: tuple[LeftOutTurn, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOutTurn:
+    """A turn between two dwells that is not read, and why: counts of samples."""
+
+    first: int  # number of the dwell before it, from 1
+    last: int
+    missing: int = 0
+    saturated: int = 0
+    stuck: int = 0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -239,8 +258,12 @@ def windows_of_table(
     windows: Sequence[Window],
     name: str,
     file: tuple[Path, str],
+    *,
+    knows_attitudes: bool,
 ) -> RecordedWindows:
     """Return the means of a table, a row for each window of the procedure.
+
+    Of unknown attitudes those of moves are turns between dwells, or there are none.
 
     Raises
     ------
@@ -256,6 +279,9 @@ def windows_of_table(
             "names no column of a gyro or an accelerometer, expected heads as "
             "window,duration [s],gyro_x [deg/s],...,accelerometer_z [m/s^2]",
         )
+    dwells = [one for one in windows if not one.sense]
+    if not knows_attitudes and len(table.rows) == len(dwells):
+        windows = dwells
     if len(table.rows) != len(windows):
         listed = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
         raise refuse(
@@ -297,14 +323,22 @@ def windows_of_table(
         delay += took - window.length
     kinds = [kind for kind in SENSORS if any(one.startswith(kind) for one in own)]
     nothing = [np.nan] * len(windows)
+    means = {
+        kind: np.array([values.get(f"{kind}_{axis}", nothing) for axis in AXES])
+        for kind in kinds
+    }
+    turns: tuple[MeasuredTurn, ...] = ()
+    if not knows_attitudes:
+        rates = means.get(GYRO, np.full((3, len(there)), np.nan))
+        still, turns = turns_of_rows(there, rates)
+        there = [there[k] for k in still]
+        means = {kind: mean[:, still] for kind, mean in means.items()}
     return RecordedWindows(
         name=path.name,
         sha256=((path.name, sha256(path.read_bytes()).hexdigest()),),
         windows=tuple(there),
-        means={
-            kind: np.array([values.get(f"{kind}_{axis}", nothing) for axis in AXES])
-            for kind in kinds
-        },
+        turns=turns,
+        means=means,
         has_counts={
             kind: any(columns[one].has_counts for one in own if one.startswith(kind))
             for kind in kinds

@@ -505,15 +505,20 @@ SEEDS = 200
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("procedure", "device"),
-    [("zhao-2019", "zhao-2019"), (SIX, MEMS), ("norm-icosahedron", MEMS)],
+    ("procedure", "device", "seeds"),
+    [
+        ("zhao-2019", "zhao-2019", SEEDS),
+        (SIX, MEMS, SEEDS),
+        ("norm-icosahedron", MEMS, SEEDS),
+        ("norm-and-turns-by-hand", MEMS, SEEDS // 2),
+    ],
 )
-def test_intervals_hold_what_was_drawn(procedure, device, tmp_path, monkeypatch):
+def test_intervals_hold_what_was_drawn(procedure, device, seeds, tmp_path, monkeypatch):
     """95 and 68 % of each kind of parameter, p uniform; halved intervals fail."""
     monkeypatch.setattr(module, "unseen_of", lambda *_: ())
     unit, how = load_device(device), load_procedure(procedure)
     every, p = [], {}
-    for seed in range(SEEDS):
+    for seed in range(seeds):
         made = simulated_run(unit, procedure=how, means=True, seed=seed, rate=2.0)
         found = calibrate(written(tmp_path, made), procedure=how, device=unit)
         every.append(pulls(made, found))
@@ -528,7 +533,7 @@ def test_intervals_hold_what_was_drawn(procedure, device, tmp_path, monkeypatch)
         spread = np.sqrt(n * level * (1.0 - level) * 3.0)
         assert abs(inside - n * level) <= 3.29 * spread, (level, inside / n)
         by_parameter = (off <= reach).sum(axis=0)
-        low, high = binom.ppf([5e-5, 1.0 - 5e-5], SEEDS, level)
+        low, high = binom.ppf([5e-5, 1.0 - 5e-5], seeds, level)
         assert (by_parameter >= low).all()
         assert (by_parameter <= high).all()
     assert (off <= norm.isf(0.025) / 2.0).sum() < n * 0.75  # the control

@@ -157,7 +157,7 @@ def _scheme_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Schem
     """Return a scheme; without what depends on the device thousands share a few."""
     if procedure.formulas not in SCHEMES:
         return zhao_2019.scheme_of(owner, procedure)
-    schedule, held = schedule_of(owner, procedure), _held(owner, procedure, sensor)
+    schedule, held = schedule_of(owner, procedure), held_of(owner, procedure, sensor)
     return SCHEMES[procedure.formulas](owner, schedule, procedure, held, sensor)
 
 
@@ -199,7 +199,7 @@ def _by_norm(
         procedure,
         held,
         beside=schedule_of(ACCELEROMETER, procedure),
-        values=_held(ACCELEROMETER, procedure, sensor and sensor.beside).value,
+        values=held_of(ACCELEROMETER, procedure, sensor and sensor.beside).value,
     )
 
 
@@ -341,11 +341,11 @@ def _of_design(sensor: Sensor, procedure: Procedure) -> Scheme:
         schedule=Schedule(windows=()),
         place=procedure.place,
         weights=np.zeros((3, STATISTICS, 0)),
-        held=_held(sensor.kind, procedure, sensor),
+        held=held_of(sensor.kind, procedure, sensor),
     )
 
 
-def _held(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
+def held_of(owner: str, procedure: Procedure, sensor: Sensor | None) -> Held:
     """Return what a procedure holds of a triad, at the nominal values of a sensor."""
     names = parameters_of(owner)
     found = estimated(owner, procedure)
@@ -363,6 +363,7 @@ __all__ = [
     "as_recorded",
     "calibrates",
     "estimated",
+    "held_of",
     "initial_lines",
     "is_beside",
     "largest_of_test",

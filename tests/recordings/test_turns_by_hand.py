@@ -1,0 +1,279 @@
+"""A gyro calibrated by turns by hand: followed, solved, refused, mistakes named."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from calibration.test_mistakes import MEMS
+from numpy.testing import assert_allclose
+
+from budget.calibration.schemes import held_of
+from budget.errors import CallError
+from budget.inputs import load_device, load_procedure
+from budget.model.measured import MeasuredTurn, MeasuredTurns, nominal_of, triad_of
+from budget.model.response import tilt_matrix
+from budget.model.rotation import rotation
+from budget.model.windows import Setting, Window
+from budget.recordings import calibrate as module
+from budget.recordings.calibrate import calibrate
+from budget.recordings.simulated_run import simulated_run
+
+BY_HAND = "norm-and-turns-by-hand"
+QUARTER = np.pi / 2.0
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Provide a folder with the device."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(module, "unseen_of", lambda *_: ())
+    (tmp_path / "mems.yaml").write_text(json.dumps(MEMS), encoding="utf-8")
+    return tmp_path
+
+
+@cache
+def table(blunders=(), seed=5):
+    """Return the rows of a simulated table of means."""
+    made = simulated_run(
+        load_device(MEMS),
+        procedure=load_procedure(BY_HAND),
+        seed=seed,
+        means=True,
+        rate=2.0,
+        blunders=blunders,
+    )
+    return tuple("".join(made.csv()).splitlines())
+
+
+def found_of(folder, rows, **more):
+    """Calibrate from rows."""
+    (folder / "run.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    how = {"procedure": BY_HAND, "device": "mems.yaml"} | more
+    return calibrate("run.csv", **how)
+
+
+def quarter(axis, samples=90):
+    """Return the rates of a quarter turn about a body axis in 9 s, (3, n)."""
+    rates = np.zeros((3, samples))
+    rates[axis] = QUARTER / 9.0
+    return rates
+
+
+def two_quarters(earth=(0.0, 0.0, 0.0)):
+    """Return a unit turned by 90 deg about x, then by 90 deg about y."""
+    # Up is z; it is y after the first, and stays y after the second about y.
+    down = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
+    dwells = tuple(
+        Window(name=str(k), start=20.0 * k, length=10.0, setting=Setting(), use="both")
+        for k in range(3)
+    )
+    turns = tuple(
+        MeasuredTurn(
+            first=k,
+            last=k + 1,
+            start=20.0 * k + 10.0,
+            lengths=np.full(90, 0.1),
+            rates=quarter(k),
+        )
+        for k in range(2)
+    )
+    return MeasuredTurns(
+        dwells=dwells,
+        down=down,
+        still=np.zeros((3, 3)),
+        turns=turns,
+        earth=np.array(earth),
+    )
+
+
+def test_two_quarter_turns_by_hand():
+    """Each leads to where down is seen; a scale factor misses by its part of 90 deg."""
+    turns = two_quarters()
+    nominal = np.concatenate([np.ones(3), np.zeros(9)])
+    assert_allclose(turns.misfit(triad_of(nominal)), 0.0, atol=1e-12)
+    off = nominal.copy()
+    off[0] = 1.0 + 1e-4  # x: less angle is seen, and up does not come to y
+    misfit = turns.misfit(triad_of(off))
+    angle = QUARTER * (1.0 - 1.0 / (1.0 + 1e-4))
+    assert_allclose(misfit[:3], [0.0, 1.0 - np.cos(angle), -np.sin(angle)], atol=1e-13)
+    assert_allclose(misfit[3:6], 0.0, atol=1e-12)  # the second turns about up
+
+
+def test_the_slope_is_that_of_differences():
+    """J of all twelve, of steps of both signs, with the earth's rate."""
+    turns = two_quarters(earth=(0.0, 5e-5, 4e-5))
+    nominal = np.concatenate([np.ones(3), np.zeros(9)])
+    now = turns.follow(triad_of(nominal))
+    assert_allclose(now.misfit, turns.misfit(triad_of(nominal)), rtol=1e-12)
+    step = 1e-6
+    found = np.empty_like(now.slope)
+    for p in range(12):
+        more = step * np.eye(12)[p]
+        high, low = (turns.misfit(triad_of(nominal + s * more)) for s in (1, -1))
+        found[:, p] = (high - low) / (2.0 * step)
+    # J leaves out what is of the size of F itself, here the earth's 6e-4 rad in 9 s.
+    assert_allclose(now.slope, found, rtol=0.0, atol=2e-3 * np.abs(found).max())
+
+
+def test_turns_without_noise_give_what_was_drawn():
+    """The least squares of exact readings are the parameters, to rounding."""
+    gyro = load_device(MEMS).sensors[0]
+    held = held_of("gyro", load_procedure(BY_HAND), gyro)
+    rng = np.random.default_rng(3)
+    rates = rng.normal(0.0, 1.0, (18, 3))
+
+    true = triad_of(
+        nominal_of(held)
+        + np.concatenate([rng.normal(0.0, 1e-3, 9), rng.normal(0.0, 1e-4, 3)])
+    )
+    M = np.eye(3) + tilt_matrix(true.mounting_angle)
+
+    def read(w):
+        return true.scale_factor[:, None] * (M @ w + true.bias[:, None])
+
+    down, dwells, turns = [np.array([0.0, 0.0, 1.0])], [], []
+    for k in range(18):
+        dwells.append(
+            Window(
+                name=str(k),
+                start=20.0 * k,
+                length=10.0,
+                setting=Setting(),
+                use="both",
+            )
+        )
+        if k == 17:
+            break
+        own = np.repeat((0.3 * rates[k] / np.linalg.norm(rates[k]))[:, None], 80, 1)
+        turns.append(
+            MeasuredTurn(
+                first=k,
+                last=k + 1,
+                start=20.0 * k + 10.0,
+                lengths=np.full(80, 0.1),
+                rates=read(own),
+            )
+        )
+        down.append(rotation(-own[:, 0] * 8.0) @ down[-1])
+    measured = MeasuredTurns(
+        dwells=tuple(dwells),
+        down=np.array(down),
+        still=read(np.zeros((3, 18))),
+        turns=tuple(turns),
+        earth=np.zeros(3),
+    )
+    found, is_found = measured.solve(held)
+    assert is_found
+    assert_allclose(found.scale_factor, true.scale_factor, rtol=1e-9)
+    assert_allclose(found.mounting_angle, true.mounting_angle, atol=1e-9)
+    assert_allclose(found.bias, true.bias, atol=1e-12)
+
+
+# ---- what is missing is said ---------------------------------------------------------
+
+
+def said_of(found):
+    """Return cautions as one text."""
+    return " ".join(found.warnings)
+
+
+def test_without_moves_the_gyro_is_left_out(folder):
+    """Rows of dwells alone: accelerometers as ever, and why the gyro has none."""
+    rows = table()
+    how = load_procedure(BY_HAND)
+    senses = [one.sense for one in module.windows_of(how)]
+    dwells = [rows[0], *(row for row, s in zip(rows[1:], senses, strict=True) if not s)]
+    found = found_of(folder, dwells)
+    assert {one.sensor for one in found.outputs} == {"accelerometer"}
+    assert "found by the turns between rests" in said_of(found)
+
+
+def test_without_a_device_the_gyro_is_left_out(folder):
+    """Nobody can say how large its errors may be."""
+    found = found_of(folder, table(), device=None)
+    assert {one.sensor for one in found.outputs} == {"accelerometer"}
+    assert "give a data sheet of both" in said_of(found)
+
+
+def changed(rows, change):
+    """Return rows with another gyro."""
+    head = rows[0].split(",")
+    own = [k for k, one in enumerate(head) if one.startswith("gyro")]
+    found = [rows[0]]
+    for row in rows[1:]:
+        cells = row.split(",")
+        for axis, k in enumerate(own):
+            if cells[k]:
+                cells[k] = repr(change(axis, float(cells[k])))
+        found.append(",".join(cells))
+    return found
+
+
+def test_a_dead_axis_is_named(folder):
+    """No scale factor of nothing."""
+    rows = changed(table(), lambda axis, value: 0.0 if axis == 1 else value)
+    assert "gyro_y reads the same" in said_of(found_of(folder, rows))
+
+
+def test_a_dead_axis_of_a_recording_is_named(folder):
+    """Its turns are not seen, and the windows do not fit: it is said why."""
+    (folder / "short.yaml").write_text(
+        "name: short\nlatitude: 34 deg\ngravity: normal\nsample_rate: 20 Hz\n"
+        "estimator: norm\npause: 0 s\nmoves: 60 deg/s\nwindows:\n"
+        + "".join(
+            f"  - {{middle: {m} deg, inner: {i} deg, dwell: 5 s}}\n"
+            for m in (0, 45, -45)
+            for i in (0, 90, 180, -90)
+        ),
+        encoding="utf-8",
+    )
+    made = simulated_run("mems.yaml", procedure="short.yaml", seed=2)
+    rows = "".join(made.csv()).splitlines()
+    assert {
+        one.sensor for one in found_of(folder, rows, procedure="short.yaml").outputs
+    } == {"gyro", "accelerometer"}
+    rows = changed(rows, lambda axis, value: 0.0 if axis == 0 else value)
+    with pytest.raises(CallError, match="gyro_x reads the same all the time"):
+        found_of(folder, rows, procedure="short.yaml")
+
+
+@pytest.mark.slow
+def test_readings_that_fit_nothing_give_no_values(folder):
+    """Three times the rates: not sound, and no value of the gyro with a small u."""
+    found = found_of(folder, changed(table(), lambda _, value: 3.0 * value))
+    assert found.is_sound is False
+    assert {one.sensor for one in found.outputs} == {"accelerometer"}
+    assert "fit no values near its nominal ones" in said_of(found)
+
+
+# ---- mistakes ------------------------------------------------------------------------
+
+
+def test_a_sound_run_is_sound(folder):
+    """All of both triads, and nothing looks like a mistake."""
+    found = found_of(folder, table())
+    assert found.is_sound
+    assert len({one.sensor for one in found.outputs}) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "blunder",
+    [
+        *("earth_rate_missing", "earth_rate_sign", "latitude_sign", "degrees_radians"),
+        *("axis_reversed=x", "axes_swapped=xy", "axes_rotated=yzx"),
+    ],
+)
+def test_a_mistake_is_named(folder, blunder):
+    """First, or among those that these attitudes do not tell it from."""
+    found = found_of(folder, table((blunder,)))
+    assert found.is_sound is False
+    (one,) = found.looks_like
+    name, _, axes = blunder.partition("=")
+    assert any(
+        each.name == name and (not axes or each.axes == axes)
+        for each in (one.mistake, *one.also)
+    )
