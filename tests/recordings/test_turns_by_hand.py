@@ -225,8 +225,14 @@ def test_a_dead_axis_of_a_recording_is_named(folder):
         "estimator: norm\npause: 0 s\nmoves: 60 deg/s\nwindows:\n"
         + "".join(
             f"  - {{middle: {m} deg, inner: {i} deg, dwell: 5 s}}\n"
-            for m in (0, 45, -45)
-            for i in (0, 90, 180, -90)
+            for m, every in (
+                (0, range(0, 360, 45)),
+                (45, range(0, 360, 90)),
+                (-45, range(0, 360, 90)),
+                (90, (0,)),
+                (-90, (0,)),
+            )
+            for i in every
         ),
         encoding="utf-8",
     )
