@@ -238,9 +238,6 @@ def test_a_dead_axis_of_a_recording_is_named(folder):
     )
     made = simulated_run("mems.yaml", procedure="short.yaml", seed=2)
     rows = "".join(made.csv()).splitlines()
-    assert {
-        one.sensor for one in found_of(folder, rows, procedure="short.yaml").outputs
-    } == {"gyro", "accelerometer"}
     rows = changed(rows, lambda axis, value: 0.0 if axis == 0 else value)
     with pytest.raises(CallError, match="gyro_x reads the same all the time"):
         found_of(folder, rows, procedure="short.yaml")
