@@ -225,16 +225,19 @@ def test_a_dead_axis_of_a_recording_is_named(folder):
         "estimator: norm\npause: 0 s\nmoves: 60 deg/s\nwindows:\n"
         + "".join(
             f"  - {{middle: {m} deg, inner: {i} deg, dwell: 5 s}}\n"
-            for m in (0, 45, -45)
-            for i in (0, 90, 180, -90)
+            for m, every in (
+                (0, range(0, 360, 45)),
+                (45, range(0, 360, 90)),
+                (-45, range(0, 360, 90)),
+                (90, (0,)),
+                (-90, (0,)),
+            )
+            for i in every
         ),
         encoding="utf-8",
     )
     made = simulated_run("mems.yaml", procedure="short.yaml", seed=2)
     rows = "".join(made.csv()).splitlines()
-    assert {
-        one.sensor for one in found_of(folder, rows, procedure="short.yaml").outputs
-    } == {"gyro", "accelerometer"}
     rows = changed(rows, lambda axis, value: 0.0 if axis == 0 else value)
     with pytest.raises(CallError, match="gyro_x reads the same all the time"):
         found_of(folder, rows, procedure="short.yaml")
