@@ -152,7 +152,7 @@ class MeasuredTurn:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Part:
+class _TracedStep:
     """A dwell, a step of a turn, or where a turn has led to.
 
     Attributes
@@ -256,20 +256,20 @@ class MeasuredTurns:
         K, b = found.scale_factor[:, None], found.bias[:, None]
         return np.asarray(np.linalg.solve(M, readings / K - b))
 
-    def _trace(self, found: CalibratedTriad) -> Iterator[_Part]:
+    def _trace(self, found: CalibratedTriad) -> Iterator[_TracedStep]:
         """Yield dwells and what is between them, each with how it stands before it."""
         by_first = {one.first: one for one in self.turns}
         last = len(self.dwells) - 1
         C = leaned(self.dwells[0].setting.to_body, self.down[0])
         for k in range(len(self.dwells)):
-            yield _Part(attitude=C, start=self.dwells[k].start)
+            yield _TracedStep(attitude=C, start=self.dwells[k].start)
             turn = by_first.get(k)
             if turn is not None:
                 start = turn.start
                 own = self._shown(found, turn.rates).T
                 for first, end, product in _steps(own, turn.lengths, C, self.earth):
                     length = float(turn.lengths[first:end].sum())
-                    yield _Part(
+                    yield _TracedStep(
                         attitude=C,
                         start=start,
                         length=length,
@@ -277,7 +277,7 @@ class MeasuredTurns:
                     )
                     start += length
                     C = product @ C
-                yield _Part(attitude=C, start=start, leg=turn)
+                yield _TracedStep(attitude=C, start=start, leg=turn)
                 C = leaned(C, self.down[turn.last])
             elif k < last:
                 C = leaned(self.dwells[k + 1].setting.to_body, self.down[k + 1])
@@ -286,7 +286,7 @@ class MeasuredTurns:
         """Return F of parameters of the gyro, (12,): (3 turns + 3 dwells,) [rad]."""
         return self._misfit(found, tuple(self._trace(found)))
 
-    def _misfit(self, found: CalibratedTriad, parts: Sequence[_Part]) -> Array:
+    def _misfit(self, found: CalibratedTriad, parts: Sequence[_TracedStep]) -> Array:
         """Return the same of parts."""
         legs = [self.down[one.leg.last] - one.attitude @ UP for one in parts if one.leg]
         standing = np.array([one.attitude for one in parts if one.is_dwell])
