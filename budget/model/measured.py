@@ -59,7 +59,7 @@ class FreeSetting(Setting):
     @property
     def first(self) -> Array:
         """Matrix from east-north-up to body axes where the turn begins, (3, 3)."""
-        return Setting(outer=self.outer, middle=self.middle, inner=self.inner).to_body
+        return self.table.to_body
 
     def after(self, angle: float) -> Setting:
         """Return how it stands when it has turned by an angle [rad]."""

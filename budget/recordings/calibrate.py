@@ -424,10 +424,8 @@ def _check_connected(name: str, readings: Array) -> None:
     """Refuse a channel that reads the same all the time, (3, n)."""
     still = np.flatnonzero(np.ptp(readings, axis=1) == 0.0)
     if len(still):
-        raise CallError(
-            f"{name}_{AXES[still[0]]} reads the same in all windows; is the channel "
-            "connected, and its column the right one?"
-        )
+        channel = f"{name}_{AXES[still[0]]}"
+        raise CallError(sentence("calibrations.dead", channel=channel))
 
 
 def _triad(
@@ -678,6 +676,8 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         try:
             is_told = not run.is_sound or run.residual.degrees_of_freedom > 0
             why = "" if is_told else sentence("calibrations.no_residual")
+            if run.is_sound and not one.is_found:
+                why = sentence("calibrations.not_solved", sensor=one.sensor.kind)
         except CallError as error:  # of a triad that nothing varies of
             why = str(error)
         if why:
@@ -735,6 +735,7 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
         assumptions=(
             *(given.unit.assumptions if given.unit else ()),
             *how.assumptions,
+            *_of_heading(triads, there),
             sentence("calibrations.as_tested"),
         ),
         warnings=(
@@ -1236,6 +1237,14 @@ def _files(given: GivenOfRun) -> Iterator[InputFile]:
     if given.before is not None:
         name, digest = given.before.name, given.before.sha256
         yield InputFile(role="as found", name=name, sha256=digest)
+
+
+def _of_heading(triads: Sequence[_Triad], procedure: Procedure) -> tuple[str, ...]:
+    """Say whose heading is assumed, where turns are followed from a known one."""
+    is_followed = any(one.turns for one in triads)
+    if not is_followed or procedure.place.azimuth is None:
+        return ()
+    return (sentence("calibrations.first_heading"),)
 
 
 def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:

@@ -17,6 +17,7 @@ from budget.errors import CallError
 from budget.names import AXES
 from budget.recordings.rests import NEAR, STILL, RestOrTurn, rests_and_turns
 from budget.recordings.track import MOST_ISSUES, RecordedTrack, WindowSpan
+from budget.sentences import sentence
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -91,10 +92,8 @@ def _of_dead(tracks: Sequence[RecordedTrack]) -> str:
         for kind, (_, values) in one.values.items():
             for axis, own in zip(AXES, values, strict=True):
                 if np.ptp(own) == 0.0:
-                    return (
-                        f". {kind}_{axis} reads the same all the time: is the channel "
-                        "connected, and its column the right one?"
-                    )
+                    channel = f"{kind}_{axis}"
+                    return f". {sentence('calibrations.dead', channel=channel)}"
     return ""
 
 

@@ -11,13 +11,11 @@ from budget.model.measured import MeasuredTurn
 from budget.model.source import GYRO
 from budget.recordings.health import SPIKE, WindowReadings, spikes
 from budget.recordings.track import LEAST_SAMPLES, limits_of
-from budget.recordings.window_table import LeftOutTurn
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.arrays import Array
-    from budget.recordings.health import WindowHealth
     from budget.recordings.track import RecordedTrack, WindowSpan
 
 CLEAR = 0.01  # of the largest rate, that a spike in a turn is off by at the least [1]
@@ -25,22 +23,27 @@ CLEAR = 0.01  # of the largest rate, that a spike in a turn is off by at the lea
 
 def measured_turns(
     tracks: Sequence[RecordedTrack], spans: Sequence[WindowSpan], begin: float
-) -> tuple[tuple[MeasuredTurn, ...], tuple[LeftOutTurn, ...]]:
+) -> tuple[tuple[MeasuredTurn, ...], tuple[int, ...]]:
     """Return the turns between dwells one after the other, and those left out.
 
-    A sample is the mean rate until the next. A turn with a gap, or with saturated or
-    stuck samples, is left out: how it was turned there nobody knows. `begin` is when
-    the first window does, on the clock of the run [s].
+    These by the number of the dwell before, from 1: a turn from one file to another,
+    with a gap, or with saturated or stuck samples; how it was turned there nobody
+    knows. A sample is the mean rate until the next. `begin` is when the first window
+    does, on the clock of the run [s].
     """
     found, left_out = [], []
-    for k, (one, other) in enumerate(pairwise(spans)):
+    for number, (one, other) in enumerate(pairwise(spans), start=1):
         track = tracks[one.track]
-        if one.track != other.track or GYRO not in track.values:
+        if GYRO not in track.values:
+            continue
+        if one.track != other.track:
+            left_out.append(number)
             continue
         times, values = track.values[GYRO]
         limits = limits_of(track, one)[1], limits_of(track, other)[0]
         a, b = np.searchsorted(times, limits).tolist()
         if b - a < LEAST_SAMPLES or not np.isfinite(values[:, a:b]).all():
+            left_out.append(number)
             continue
         before, after = max(a - 1, 0), min(b + 1, len(times))
         readings = WindowReadings(
@@ -56,31 +59,20 @@ def measured_turns(
         ends = (own.min(axis=1) - 1.0, own.max(axis=1) + 1.0)
         _, health = readings.mean(track.usual[GYRO], ends, track.range_end.get(GYRO))
         if health.missing or health.is_spoilt or any(health.stuck):
-            left_out.append(_left_out(k, health))
+            left_out.append(number)
             continue
         rates = _without_spikes(own, track)
         steps = np.diff(np.append(times[a:b], times[b - 1] + 1.0 / track.rate))
         found.append(
             MeasuredTurn(
-                first=k,
-                last=k + 1,
+                first=number - 1,
+                last=number,
                 start=float(times[a]) + track.offset - begin,
                 lengths=steps,
                 rates=rates,
             )
         )
     return tuple(found), tuple(left_out)
-
-
-def _left_out(k: int, health: WindowHealth) -> LeftOutTurn:
-    """Return why the turn after a dwell is left out."""
-    return LeftOutTurn(
-        first=k + 1,
-        last=k + 2,
-        missing=health.missing,
-        saturated=max(health.saturated),
-        stuck=max(health.stuck),
-    )
 
 
 def _without_spikes(values: Array, track: RecordedTrack) -> Array:

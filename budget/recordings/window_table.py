@@ -61,8 +61,8 @@ class RecordedWindows:
         By triad, of each window; of a table of means nothing is known of it.
     turns : tuple of MeasuredTurn
         From one dwell to another, where attitudes are unknown; windows are then dwells.
-    turns_left_out : tuple of LeftOutTurn
-        Those that have too little that is sound.
+    turns_left_out : tuple of int
+        Numbers, from 1, of the dwells before those that have too little that is sound.
     """
 
     name: str
@@ -75,18 +75,7 @@ class RecordedWindows:
     has_one_clock: bool = True
     health: Mapping[str, tuple[WindowHealth, ...]] = field(default_factory=dict)
     turns: tuple[MeasuredTurn, ...] = ()
-    turns_left_out: tuple[LeftOutTurn, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class LeftOutTurn:
-    """A turn between two dwells that is not read, and why: counts of samples."""
-
-    first: int  # number of the dwell before it, from 1
-    last: int
-    missing: int = 0
-    saturated: int = 0
-    stuck: int = 0
+    turns_left_out: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -239,7 +239,7 @@ def test_a_dead_axis_of_a_recording_is_named(folder):
     made = simulated_run("mems.yaml", procedure="short.yaml", seed=2)
     rows = "".join(made.csv()).splitlines()
     rows = changed(rows, lambda axis, value: 0.0 if axis == 0 else value)
-    with pytest.raises(CallError, match="gyro_x reads the same all the time"):
+    with pytest.raises(CallError, match="gyro_x reads the same in all windows"):
         found_of(folder, rows, procedure="short.yaml")
 
 
@@ -260,6 +260,7 @@ def test_a_sound_run_is_sound(folder):
     found = found_of(folder, table())
     assert found.is_sound
     assert len({one.sensor for one in found.outputs}) == 2
+    assert any("heading of the first rest" in one for one in found.assumptions)
 
 
 @pytest.mark.slow
