@@ -33,7 +33,7 @@ from budget.calibration.schemes.covariance import joint_covariance
 from budget.model.measured import nominal_of, triad_of, turns_of_rows
 from budget.model.norm import sensitivity, shown_of_errors
 from budget.model.response import tilt_matrix
-from budget.model.windows import Schedule
+from budget.model.windows import Schedule, dwells_of
 
 if TYPE_CHECKING:
     from budget.arrays import Array
@@ -134,7 +134,7 @@ class RotationRun:
         by_rate = np.asarray(now.by_rate @ np.linalg.inv(M))  # of y/K
         B = np.swapaxes(by_rate, 1, 2).reshape(-1, 3 * n)
         C = B @ joint_covariance(self.sensor, self.procedure, schedule) @ B.T
-        dwells = Schedule(windows=tuple(w for w in windows if not w.sense))
+        dwells = Schedule(windows=tuple(dwells_of(windows)))
         own, kept = self._of_directions(now, mix)
         C_a = joint_covariance(self.beside, self.procedure, dwells)
         G = own.reshape(-1, 3 * n_a)

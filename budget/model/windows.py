@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from budget.arrays import Array
 
@@ -399,3 +399,8 @@ class Schedule:
             for place, window in enumerate(self.windows)
             if window.azimuth is not None
         )
+
+
+def dwells_of(windows: Iterable[Window]) -> list[Window]:
+    """Return the windows in which nothing turns."""
+    return [one for one in windows if not one.sense]

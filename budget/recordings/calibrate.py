@@ -46,6 +46,7 @@ from budget.model.norm import NormScheme
 from budget.model.response import COLUMN, ROW, SIGN, tilt_matrix
 from budget.model.rotation import RotationScheme
 from budget.model.source import GYRO, SENSORS
+from budget.model.windows import dwells_of
 from budget.names import ANGLES, AXES, IMU, ORDERS, Name, parameters_of
 from budget.recordings.calibrated import (
     CalibratedOutput,
@@ -240,8 +241,7 @@ def calibrate(
     recordings = recorded.load(*runs)
     planned = how
     if is_beside(how):  # the unit is turned any way from dwell to dwell
-        dwells = tuple(one for one in windows_of(how) if not one.sense)
-        how = replace(how, windows=dwells)
+        how = replace(how, windows=tuple(dwells_of(windows_of(how))))
     times = None
     if windows is not None:
         file = find(windows, "recording")

@@ -15,6 +15,7 @@ import numpy as np
 
 from budget.errors import CallError
 from budget.model.source import GYRO, SENSORS
+from budget.model.windows import dwells_of
 from budget.recordings.health import WindowHealth, WindowReadings, ends_of
 from budget.recordings.matching import matched_windows
 from budget.recordings.measured_turns import measured_turns
@@ -78,7 +79,7 @@ def read_windows(
         return windows_of_table(
             table, windows, name, paths[0], knows_attitudes=knows_attitudes
         )
-    windows = windows if knows_attitudes else _dwells(windows)
+    windows = windows if knows_attitudes else dwells_of(windows)
     spans: Sequence[WindowSpan]
     found: Sequence[RestOrTurn] = ()
     is_as_planned = True
@@ -137,11 +138,6 @@ def read_windows(
         turns=turns,
         turns_left_out=left_out,
     )
-
-
-def _dwells(windows: Sequence[Window]) -> list[Window]:
-    """Return the dwells alone: what is between them is found, and need be no move."""
-    return [one for one in windows if not one.sense]
 
 
 def _parts(

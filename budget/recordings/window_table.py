@@ -16,6 +16,7 @@ from budget.inputs.tree import describe
 from budget.journal import note_read
 from budget.model.measured import turns_of_rows
 from budget.model.source import GYRO, SENSORS
+from budget.model.windows import dwells_of
 from budget.names import AXES
 from budget.recordings.columns import CHANNELS, COUNTS, TIME, read_head
 from budget.recordings.tables import ARRAYS
@@ -268,7 +269,7 @@ def windows_of_table(
             "names no column of a gyro or an accelerometer, expected heads as "
             "window,duration [s],gyro_x [deg/s],...,accelerometer_z [m/s^2]",
         )
-    dwells = [one for one in windows if not one.sense]
+    dwells = dwells_of(windows)
     if not knows_attitudes and len(table.rows) == len(dwells):
         windows = dwells
     if len(table.rows) != len(windows):
