@@ -30,7 +30,7 @@ A row that begins with `*` has the keys of what is there, null where that is Non
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial, reduce
 from math import isinf
@@ -313,12 +313,12 @@ def _plain(value: Any, name: str | None, size: float) -> Any:  # noqa: ANN401 - 
         return value
     if isinstance(value, Mapping):
         return {key: _plain(one, name, size) for key, one in value.items()}
-    if isinstance(value, tuple | list | Iterator):
+    if isinstance(value, Sequence | Iterator):
         found = (
             document(one, name, size=size) if name else _plain(one, None, size)
             for one in value
         )
-        return found if isinstance(value, Iterator) else list(found)
+        return list(found) if isinstance(value, tuple | list) else found
     if name or type(value) in BY_TYPE:
         return document(value, name, size=size)
     return value.tolist() if hasattr(value, "tolist") else value

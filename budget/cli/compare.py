@@ -71,6 +71,7 @@ def compare(
     from budget.report.comparison.page import comparison_answer, comparison_document
     from budget.report.comparison.tables import find_column, to_csv
     from budget.report.document import json_pieces
+    from budget.spooled import Made
     from budget.studies.comparison.compare import compare as run
 
     check_files(out, inputs, devices)
@@ -84,11 +85,12 @@ def compare(
         [*(devices or ()), *map(shipped_path, chosen)], inputs.changes, strict=strict
     )
     # What is named and ships too is compared once.
-    loaded = list(
-        {(one.origin.file, one.origin.sha256): one for one in loaded}.values()
-        if catalogue
-        else loaded
-    )
+    if catalogue:
+        first = {
+            (one.origin.file, one.origin.sha256): place
+            for place, one in reversed([*enumerate(loaded)])
+        }
+        loaded = Made(loaded.__getitem__, sorted(first.values())).held()
 
     with computing(engine) as place:
         found = run(
@@ -105,7 +107,7 @@ def compare(
     hand_out(
         [
             (out.json, lambda: json_pieces(document(found))),
-            (out.csv, lambda: [to_csv(found)]),
+            (out.csv, lambda: to_csv(found)),
         ],
         lambda: comparison_answer(
             found, order=None if column is None else column.order, full=out.full

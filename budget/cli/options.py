@@ -486,7 +486,7 @@ def exit_by(assessment: Assessment | None, out: OutputFiles) -> None:
 
 def load_units(
     names: Iterable[str | Path], changes: Sequence[str], *, strict: bool = False
-) -> tuple[list[Device], bool]:
+) -> tuple[Sequence[Device], bool]:
     """Load what is compared, every variant; whether some could not be read, as is said.
 
     Every file is read, however many are bad: what is not compared is never left unsaid.
@@ -511,7 +511,7 @@ def load_units(
         talk(text)
     if not loaded:
         raise CallError("none of the device files can be read; mend them and try again")
-    return [*loaded], bool(issues)
+    return loaded.held(), bool(issues)
 
 
 def load_sheet(device: str | None, changes: Sequence[str]) -> Device | None:
@@ -566,4 +566,4 @@ def load_devices(names: list[str] | None, changes: Sequence[str]) -> tuple[Devic
     if not names:
         talk(f"No device given: using the built-in {BUILT_IN_DEVICE} (Zhao 2019).")
         names = [BUILT_IN_DEVICE]
-    return load_changed(names, changes, variants=False)
+    return tuple(load_changed(names, changes, variants=False))

@@ -43,6 +43,7 @@ from budget.model.sources.later import TEST_VIBRATION
 from budget.names import MISSION, Name, parameters_of
 from budget.resources import shipped
 from budget.sentences import sentence
+from budget.spooled import Lazy, SpooledList
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -92,19 +93,22 @@ def load_device(path: Device | File, changes: Changes = ()) -> Device:
 
 def load_devices(
     given: Device | File | Iterable[Device | File], *, variants: bool = False
-) -> tuple[Device, ...]:
+) -> Sequence[Device]:
     """Read devices, one or several; of a file every variant if asked for.
 
     Raises as load_device, with the issues of all files.
     """
+    if isinstance(given, Lazy):
+        return given  # of thousands, read before
 
-    def load(one: Device | File) -> tuple[Device, ...]:
+    def load(one: Device | File) -> Sequence[Device]:
         if isinstance(one, Device):
             return (one,)
         return load_changed([one], (), variants=variants)
 
-    found = _sound(*try_all(several(given), load))
-    return tuple(device for some in found for device in some)
+    found: SpooledList[Device] = SpooledList()
+    _, issues = try_all(several(given), lambda one: found.extend(load(one)))
+    return _sound(found, issues).held()
 
 
 def several(given: object) -> tuple[Any, ...]:
@@ -116,7 +120,7 @@ def several(given: object) -> tuple[Any, ...]:
 
 def load_changed(
     paths: Sequence[File], changes: Changes, *, variants: bool
-) -> tuple[Device, ...]:
+) -> Sequence[Device]:
     """Load devices with changes, each file's base and every variant if asked for.
 
     Raises
@@ -126,7 +130,7 @@ def load_changed(
     SpecError
         With the issues of all files.
     """
-    return tuple(_sound(*try_changed(paths, changes, variants=variants)))
+    return _sound(*try_changed(paths, changes, variants=variants)).held()
 
 
 def try_changed(
@@ -135,7 +139,7 @@ def try_changed(
     *,
     variants: bool,
     most: float = MOST_ISSUES,
-) -> tuple[list[Device], list[Issue]]:
+) -> tuple[SpooledList[Device], list[Issue]]:
     """Load what can be read with changes, and the issues of what cannot.
 
     After more than `most` issues no further file is read.
@@ -146,11 +150,13 @@ def try_changed(
         A change is none, or reaches no device though all could be read.
     """
     wanted = [read_change(text) for text in texts_of(changes)]
-    found, issues = try_all(
-        paths, lambda path: _load(path, wanted, variants=variants), most=most
+    devices: SpooledList[Device] = SpooledList()
+    _, issues = try_all(
+        paths,
+        lambda path: devices.extend(_load(path, wanted, variants=variants)),
+        most=most,
     )
-    devices = [device for some in found for device in some]
-    if not issues:
+    if wanted and not issues:
         check_used(wanted, (text for one in devices for text in one.origin.used))
     return devices, list(dict.fromkeys(issues))
 
@@ -594,7 +600,7 @@ def try_all(
     return found, issues
 
 
-def _sound(found: list[T], issues: Sequence[Issue]) -> list[T]:
+def _sound(found: T, issues: Sequence[Issue]) -> T:
     """Return what was read, where nothing is wrong; raise what is."""
     if issues:
         raise SpecError(tuple(issues))
@@ -609,7 +615,7 @@ def load_all(paths: Sequence[File]) -> tuple[Device, ...]:
     SpecError
         With the issues of all files.
     """
-    return load_changed(paths, (), variants=True)
+    return tuple(load_changed(paths, (), variants=True))
 
 
 def load_variants(path: File) -> tuple[Device, ...]:

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from json.encoder import encode_basestring as quoted
 from math import isfinite
 from typing import TYPE_CHECKING, Any
@@ -110,18 +111,24 @@ FORMULA = ("=", "+", "-", "@", "\t")  # what a spreadsheet takes for a formula
 
 
 def csv_text(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    r"""Write these columns of rows under a line of heads, LF at the end of each.
+    """Write what `csv_pieces` yields."""
+    return "".join(csv_pieces(columns, rows))
+
+
+def csv_pieces(
+    columns: Sequence[str], rows: Iterable[Mapping[str, Any]]
+) -> Iterator[str]:
+    r"""Yield these columns of rows under a line of heads, LF at the end of each.
 
     Numbers have all their digits; None, and what a row lacks, is nothing. A text that
     a spreadsheet would take for a formula has an apostrophe before it; a number has
     not, negative ones neither. A carriage return is written as \r.
     """
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    for row in rows:
-        writer.writerow([_cell(row.get(name)) for name in columns])
-    return text.getvalue()
+    cells = ([_cell(row.get(name)) for name in columns] for row in rows)
+    for line in chain([columns], cells):
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerow(line)
+        yield text.getvalue()
 
 
 def _cell(value: str | float | None) -> str:

@@ -361,7 +361,7 @@ def study_frame(found: Study) -> pd.DataFrame:
 
 def output_frame(found: Comparison) -> pd.DataFrame:
     """Return the CSV document of a comparison: each device and required output."""
-    return _read(comparison_csv(found))
+    return _read("".join(comparison_csv(found)))
 
 
 def _read(text: str) -> pd.DataFrame:

@@ -196,7 +196,7 @@ class Radii:
     r95: float  # of 95 %
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class LimitedOutput(Documented):
     """An output and its limit, where it has one."""
 
@@ -245,7 +245,7 @@ def u_known(output: Output, u: float, lacks: tuple[Name, ...]) -> Known:
     """,
     said="One required output against its limit.",
 )
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class JudgedOutput(LimitedOutput):
     """One output, how large its error is, and its limit, where it has one [SI]."""
 

@@ -84,7 +84,7 @@ def assess(
             f"and {wanted.reference}; compute it with those"
         )
     if devices:
-        question = replace(question, devices=load_devices(devices))
+        question = replace(question, devices=tuple(load_devices(devices)))
     return _assess(question, wanted, seed=settings.seed)
 
 

@@ -99,7 +99,18 @@ def _alike_marks(size: int, *, is_inside: bool) -> Marks:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Judged:
+class Counted:
+    """What is counted of the outputs of one Problem together with those of others."""
+
+    # In which trials all are within; of the joint normal law where `trials` is None.
+    inside: Marks = field(repr=False)
+    trials: int | None  # none: by the law alone
+    # Probability that all limits are to be kept together with; None: each alone [1].
+    together: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged(Counted):
     """How the required outputs of one Problem stand against their limits."""
 
     interval: Array  # coverage intervals, shape (n_required, 2) [SI]
@@ -120,16 +131,16 @@ class Judged:
     # Probability of each error to be within its limit, shape (n_required,) [1].
     within: Array
     conformance: Probability  # of all together
-    # In which trials all are within; of the joint normal law where `trials` is None.
-    inside: Marks = field(repr=False)
     # What the utilisation and its interval were taken from.
     ends: Ends = field(repr=False)
     # Half the 95 % sampling interval of each utilisation, were it of the trials, shape
     # (n_required,) [1].
     sampled: Array = field(repr=False)
-    trials: int | None  # none: by the law alone
-    # Probability that all limits are to be kept together with; None: each alone [1].
-    together: float | None = None
+
+    @property
+    def counted(self) -> Counted:
+        """What stands beside other Problems of it, and no more."""
+        return Counted(inside=self.inside, trials=self.trials, together=self.together)
 
     @property
     def worst(self) -> int:
@@ -528,7 +539,7 @@ def _of_length(held: Limited, judged: Judged, source: int) -> float | None:
     return float(np.sqrt(brentq(excess, 0.0, most, xtol=1e-15 * most)))
 
 
-def together(judged: Sequence[Judged]) -> Probability:
+def together(judged: Sequence[Counted]) -> Probability:
     """Return the probability that all outputs of several problems are within.
 
     Counted in the same trials: sources that problems share have the same draws there.

@@ -18,7 +18,7 @@ from reading import assert_says
 # rooms on one floor do not know each other.
 FLOORS = (
     ("version", "arrays", "errors", "names", "earth", "ties", "journal", "views"),
-    ("units", "language", "resources", "documents", "known"),
+    ("units", "language", "resources", "documents", "known", "spooled"),
     ("distributions", "sentences"),
     ("problem", "model", "navigation"),
     ("inputs",),

@@ -134,7 +134,7 @@ def _said(comparison: Comparison, found: Sequence[Ranking]) -> dict[str, Any]:
         "comparison": comparison,
         "found": found,
         "tallies": tallies(comparison),
-        "compared": len({one.place for one in comparison.entrants}),
+        "compared": len({one.place for one in comparison.listed}),
         "deciding": beside["deciding"],
         "qualifying": beside["cautions"],
         "elsewhere": _elsewhere(comparison, beside["cautions"]),
@@ -158,7 +158,7 @@ def _view(
 ) -> dict[str, Any]:
     """Return what the pages are given: records, and how they are written."""
     settings = comparison.settings
-    names = {one.name for one in comparison.entrants}
+    names = {one.name for one in comparison.listed}
     is_refused = settings.missing == "refuse"
     caps = dict(comparison.caps)
     return _said(comparison, found) | {

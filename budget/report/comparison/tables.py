@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
@@ -16,7 +17,7 @@ from budget.known import AT_MOST
 from budget.language import say, words
 from budget.missing import PREDICT
 from budget.names import MISSION
-from budget.report.document import csv_text
+from budget.report.document import csv_pieces
 from budget.report.pages import line
 from budget.report.tables import (
     DASH,
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from budget.names import Name
-    from budget.results import Condition, Doubt, Probability, Remedy, Verdict
+    from budget.results import Condition, Doubt, Probability, Remedy
     from budget.studies.comparison.records import Comparison, Entrant, Unit
     from budget.studies.figures_of_merit import Amount
 
@@ -98,8 +99,9 @@ class Ranking:
 
     sensor: str
     name: str  # unique in the document: 'gyro-0'
-    devices: tuple[Entrant, ...]  # best first, or in the order that was asked for
+    devices: Sequence[Entrant]  # best first, or in the order that was asked for
     nothing_known: tuple[str, ...]  # devices with no error line: in no row
+    verdicts: Counter[str]  # with those
     under: str  # the procedure, '' where there is no other
 
     @cached_property
@@ -134,11 +136,7 @@ class Ranking:
     @property
     def counts(self) -> dict[str, int]:
         """How many devices there are with each verdict, the best verdict first."""
-        found = [one.verdict for one in self.devices]
-        found += ["undecidable"] * len(self.nothing_known)
-        return {
-            verdict: found.count(verdict) for verdict in VERDICTS if verdict in found
-        }
+        return {verdict: n for verdict in VERDICTS if (n := self.verdicts[verdict])}
 
 
 def _is_decided(one: Entrant) -> bool:
@@ -160,7 +158,7 @@ def tallies(comparison: Comparison) -> list[Tally]:
     """Count who meets, sensor by sensor."""
     found = []
     for sensor in comparison.required:
-        own = [one for one in comparison.entrants if one.sensor == sensor]
+        own = [one for one in comparison.listed if one.sensor == sensor]
         sure = {one.place for one in own if one.verdict == "meets"}
         meeting = {one.place for one in own if one.verdict in NUMBERED}
         found.append(
@@ -199,19 +197,21 @@ class Request:
 
 
 def gather(
-    found: Iterable[tuple[tuple[str, str, tuple[Name, ...]], Verdict]],
+    found: Iterable[tuple[tuple[str, str, tuple[Name, ...]], Entrant | Unit]],
 ) -> list[Request]:
     """Gather what is asked for by sensor, maker and lines that are alike."""
-    together: dict[tuple[str, str, tuple[Name, ...]], list[Any]] = {}
+    together: dict[
+        tuple[str, str, tuple[Name, ...]], list[tuple[str, Sequence[Condition]]]
+    ] = {}
     for key, one in found:
-        together.setdefault(key, []).append(one)
+        together.setdefault(key, []).append((one.name, one.asks[:1]))
     return [
         Request(
             sensor=sensor,
             vendor=vendor,
             lines=lines,
-            names=list(dict.fromkeys(one.name for one in own)),
-            firsts=[ask for one in own for ask in one.asks[:1]],
+            names=list(dict.fromkeys(name for name, _ in own)),
+            firsts=[ask for _, asks in own for ask in asks],
         )
         for (sensor, vendor, lines), own in together.items()
     ]
@@ -219,11 +219,11 @@ def gather(
 
 def requests(comparison: Comparison) -> list[Request]:
     """Return what to ask whom for, sensor by sensor."""
-    found = [
+    found = (
         ((one.sensor, one.vendor, _asked_for(one)), one)
         for one in comparison.entrants
         if not (_is_decided(one) or one.saturates)
-    ]
+    )
     order = [*comparison.required]
     return sorted(gather(found), key=lambda one: order.index(one.sensor))
 
@@ -244,10 +244,15 @@ def rankings(
         Ranking(
             sensor=sensor,
             name=f"{sensor}-{place}",
-            devices=tuple(sorted(devices, key=order) if order else devices),
+            devices=sorted(devices, key=order) if order else devices,
             nothing_known=tuple(
                 one.name
                 for one in comparison.nothing_known
+                if (one.sensor, one.procedure) == (sensor, procedure)
+            ),
+            verdicts=Counter(
+                one.verdict
+                for one in comparison.listed
                 if (one.sensor, one.procedure) == (sensor, procedure)
             ),
             under=procedure if len(comparison.procedures) > 1 else "",
@@ -463,13 +468,13 @@ def merit_points(ranking: Ranking, merit: str) -> list[tuple[SimpleNamespace, Am
     return sorted(same, key=lambda pair: (pair[1].value, pair[0].of.utilisation))
 
 
-def to_csv(comparison: Comparison) -> str:
-    """Write one row for each device and required output, in printed units.
+def to_csv(comparison: Comparison) -> Iterator[str]:
+    """Yield the text of one row for each device and required output, in printed units.
 
     Where missing lines are predicted, with the probability and what to ask for.
     """
     more = PREDICTED if comparison.settings.missing == PREDICT else ()
-    return csv_text((*COLUMNS, *more), _rows(comparison))
+    return csv_pieces((*COLUMNS, *more), _rows(comparison))
 
 
 def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:

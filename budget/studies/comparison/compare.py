@@ -20,6 +20,7 @@ from budget.recordings.measured_unit import measured_units
 from budget.results import input_file, named_files, results_of
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
+from budget.spooled import Made, chained
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
     about_results,
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
         Procedure,
         Requirement,
     )
+    from budget.results import InputFile
     from budget.studies.comparison.records import Entrant
 
 LEAST_TRIALS = 2
@@ -103,7 +105,7 @@ def compare(
         for one in several(procedures) or (None,)
     )
     units = measured_units(sheets, inputs.measured, tests)
-    imus = (*sheets, *(unit for _, unit in units))
+    imus = chained([sheets, [unit for _, unit in units]]) if units else sheets
     trials = TRIALS if asked.trials is None else asked.trials
     most = asked.max_trials or max(trials, MAX_TRIALS)
     _check(asked, trials=trials, max_trials=most)
@@ -152,17 +154,29 @@ def compare(
             f"that {' and '.join(one.name for one in tests)} estimates of it; add "
             "limits for what is estimated, or give other devices or procedures"
         )
+    named: list[tuple[str, list[str]]] = []  # with the sensors of each
+    files: list[InputFile] = []
+    assumed: dict[str, None] = {}
+    alike: dict[object, Device] = {}  # one for all of which cautions say the same
+    for place, one in enumerate(imus):
+        kinds = [sensor.kind for sensor in one.sensors]
+        named.append((one.name, kinds))
+        files += [input_file("device", one)] * (place < len(sheets))
+        assumed |= dict.fromkeys(_assumed(one, tests))
+        alike.setdefault((one.measured, *kinds), one)
+    some = [*alike.values()]
     of_both = [name for name in wanted.outputs if name.owner == IMU]
-    ranked = rank_devices(one for one in findings if one.is_judged)
-    not_compared = _not_compared(imus, wanted, owners)
+    ranked = rank_devices(findings)
+    normals, unknown, doubts = _looked_through(findings)
+    not_compared = _not_compared(some, wanted, owners)
     is_counted = asked.method == "monte-carlo" or asked.validate
     return Comparison(
         requirement=wanted.name,
         mission="" if journey is None else journey.name,
         procedures=tuple(procedure.name for procedure in tests),
         inputs=(
-            *(input_file("device", device) for device in sheets),
-            *results_of(imus),
+            *files,
+            *results_of(some),
             *(input_file("procedure", procedure) for procedure in tests),
             *(() if journey is None else (input_file("mission", journey),)),
             input_file("requirement", wanted),
@@ -172,29 +186,29 @@ def compare(
             asked.settle(wanted),
             trials=trials if is_counted else None,
             formulas=", ".join(dict.fromkeys(p.formulas for p in tests)),
-            normals_per_trial=max((one.normals for one in findings), default=0),
+            normals_per_trial=normals,
         ),
         caps=wanted.caps,
         not_compared=not_compared,
         devices=ranked,
-        nothing_known=tuple(one for one in findings if not one.is_judged),
+        nothing_known=Made(findings.__getitem__, unknown).held(),
         untested=tuple(owner for owner, is_tested in owners.items() if not is_tested),
         imus=rank_imus(ranked, shared=shared_by_both(wanted.outputs)),
         pairs=pair_up(ranked, shared=shared_by_both(wanted.outputs)) if pairs else (),
         assumptions=(
             *(() if journey is None else journey.assumptions),
             *_aged(tests),
-            *dict.fromkeys(chain(*(_assumed(one, tests) for one in imus), filled)),
+            *(assumed | filled),
         ),
         warnings=(
-            *dict.fromkeys(chain(*(better_than_units(imus, one) for one in tests))),
-            *dict.fromkeys(chain(*(_of_test(one, imus, wanted) for one in tests))),
-            *dict.fromkeys(chain(*(about_results(imus, one) for one in tests))),
+            *dict.fromkeys(chain(*(better_than_units(some, one) for one in tests))),
+            *dict.fromkeys(chain(*(_of_test(one, some, wanted) for one in tests))),
+            *dict.fromkeys(chain(*(about_results(some, one) for one in tests))),
             *of_no_vehicle(journey),
-            *_not_of_both(imus, of_both, pairs=pairs),
+            *_not_of_both(some, of_both, pairs=pairs),
             *reasons,
-            *_warnings(imus, wanted, not_compared),
-            *_doubts(findings),
+            *_warnings(named, some, wanted, not_compared),
+            *doubts,
         ),
     )
 
@@ -255,12 +269,15 @@ def _of_test(
 
 
 def _warnings(
-    devices: Sequence[Device], requirement: Requirement, not_compared: Sequence[str]
+    named: Sequence[tuple[str, list[str]]],
+    devices: Sequence[Device],
+    requirement: Requirement,
+    not_compared: Sequence[str],
 ) -> Iterator[str]:
     """Name what a reader could misread."""
-    twice = [name for name, n in Counter(d.name for d in devices).items() if n > 1]
-    if twice:
-        yield sentence("comparisons.same_name", names=sorted(twice))
+    times = Counter(name for name, _ in named)
+    if twice := sorted(name for name, number in times.items() if number > 1):
+        yield sentence("comparisons.same_name", names=twice)
     by_mission = MISSION in requirement.kinds  # by which both sensors are compared
     for kind in sorted(_present(devices) - {MISSION, *requirement.kinds}):
         if not by_mission:
@@ -269,25 +286,33 @@ def _warnings(
         if kind not in {IMU, MISSION}:
             yield sentence("comparisons.not_there", sensor=kind)
     for kind in SENSORS if by_mission else ():
-        names = [
-            device.name
-            for device in devices
-            if [one.kind for one in device.sensors] not in ([kind], [*SENSORS])
-        ]
+        names = [name for name, kinds in named if kinds not in ([kind], [*SENSORS])]
         if names:
             yield sentence("comparisons.no_mission", sensor=kind, devices=names)
 
 
-def _doubts(findings: Sequence[Entrant]) -> Iterator[str]:
-    """Name limits that nothing can keep, and outputs that trials do not confirm."""
-    for name in sorted({name for one in findings for name in one.impossible}):
-        yield sentence("comparisons.impossible", output=name)
+def _looked_through(findings: Sequence[Entrant]) -> tuple[int, list[int], list[str]]:
+    """Return the most normals of a trial, who is not judged, and what is doubtful.
+
+    That are limits that nothing can keep, and outputs that trials do not confirm.
+    """
+    normals, unknown = 0, []
+    impossible: set[str] = set()
     doubts: dict[str, dict[str, None]] = {}
-    for one in findings:
+    for place, one in enumerate(findings):
+        normals = max(normals, one.normals)
+        unknown += [] if one.is_judged else [place]
+        impossible |= {*one.impossible}
         if one.doubtful:
             doubts.setdefault(one.name, {}).update(dict.fromkeys(one.doubtful))
-    for name, outputs in doubts.items():
-        yield sentence("comparisons.not_confirmed", device=name, outputs=tuple(outputs))
+    texts: list[str] = [
+        *(sentence("comparisons.impossible", output=one) for one in sorted(impossible)),
+        *(
+            sentence("comparisons.not_confirmed", device=name, outputs=tuple(outputs))
+            for name, outputs in doubts.items()
+        ),
+    ]
+    return normals, unknown, texts
 
 
 def _not_of_both(

@@ -16,6 +16,7 @@ from budget.missing import REFUSE, shipped_devices
 from budget.missing.prediction import prepare
 from budget.question import laws_together
 from budget.sentences import sentence
+from budget.spooled import SpooledList
 from budget.studies.comparison.records import Entrant, Lead, MissingLines, UnknownCap
 from budget.studies.figures_of_merit import MERITS, is_within, over_cap
 from budget.studies.judgement import (
@@ -53,7 +54,7 @@ def judge_all(
     executor: Executor | None,
     ahead: int,
     progress: Callable[[int], None],
-) -> list[Entrant]:
+) -> Sequence[Entrant]:
     """Judge all as they come; those whose rank is open again with more trials.
 
     Parameters
@@ -85,11 +86,15 @@ def judge_all(
             )
             yield [task for _, task in chunk]
 
-    found: list[Entrant] = []
+    found: SpooledList[Entrant] | list[Entrant] = []
+    if by_law(asked):
+        found = SpooledList()
     work = partial(judge_chunk, asked=asked)
     for some in in_order(work, chunks(), executor, ahead=ahead):
-        found += some
+        found.extend(some)
         progress(len(found))
+    if isinstance(found, SpooledList):
+        return found.held()
     done, number = len(found), asked.trials or TRIALS
     most = asked.max_trials or MAX_TRIALS
     while number < most and open_to_trials:
@@ -163,8 +168,8 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
         found,
         advice=sentence("comparisons.advice") if is_open and is_near else "",
         at_medians=found.missing is not None and prediction is not None,
-        judged=judged,
-        closer=judged,
+        counted=judged.counted,
+        closer=None if by_law(asked) else judged,
         normals=held.problem.normals_per_trial,
         impossible=tuple(compress((x.name for x in held.outputs), beyond)),
         doubtful=doubtful,

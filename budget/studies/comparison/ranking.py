@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import reduce
+from itertools import pairwise
 from typing import TYPE_CHECKING, TypeVar
 
 from budget.known import Known
@@ -11,6 +12,7 @@ from budget.methods.largest import joined, probability_smaller
 from budget.model.sources import ACCELEROMETER, GYRO, SENSORS
 from budget.names import IMU, MISSION
 from budget.results import VERDICTS, Verdict
+from budget.spooled import Made, chained
 from budget.studies.comparison.records import (
     NUMBERED,
     Entrant,
@@ -27,69 +29,81 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from budget.names import Name
+    from budget.studies.figures_of_merit import Amount
 
 R = TypeVar("R", Entrant, Unit)
 
 BOTH = (IMU, MISSION)  # owners of what is of both triads together
 
 
-def rank_devices(found: Iterable[Entrant]) -> tuple[Entrant, ...]:
+def rank_devices(found: Sequence[Entrant]) -> Sequence[Entrant]:
     """Rank what was judged within each sensor and procedure, and find the fronts.
 
     What is only known to be this or more, rests on lines of others, or does not read
     what it is asked for, beats nobody: it is on no front.
     """
-    lists: dict[tuple[str, str], list[Entrant]] = {}
-    for one in found:
-        lists.setdefault((one.sensor, one.procedure), []).append(one)
-    every = []
-    for ranked in map(rank, lists.values()):
-        beaten = [one.rests_on_others or one.saturates for one in ranked]
-        fronts = {
-            merit: front(
-                [
-                    (
-                        one.utilisation,
-                        None if is_no else read_amount(merit, getattr(one, merit)),
-                    )
-                    for one, is_no in zip(ranked, beaten, strict=True)
-                ]
-            )
-            for merit in MERITS
-        }
-        every += [
-            replace(one, on_front=tuple(m for m in MERITS if fronts[m][place]))
-            for place, one in enumerate(ranked)
-        ]
-    return tuple(every)
-
-
-def rank(found: Iterable[R]) -> list[R]:
-    """Order a list best first, say how sure each step is, and number it."""
-    order: list[R] = sorted(found, key=place_of)
-    following = [*order[1:], None]
-    return numbered(
-        [
-            replace(one, ahead=None if after is None else _ahead(one, after))
-            for one, after in zip(order, following, strict=True)
-        ]
+    lists: dict[tuple[str, str], list[int]] = {}
+    for place, one in enumerate(found):
+        if one.is_judged:
+            lists.setdefault((one.sensor, one.procedure), []).append(place)
+    return chained(
+        _with_fronts(rank(Made(found.__getitem__, own))) for own in lists.values()
     )
 
 
-def numbered(order: Iterable[R]) -> list[R]:
-    """Give each its rank; neighbours that cannot be told apart at 95 % share one.
+def _with_fronts(ranked: Sequence[Entrant]) -> Sequence[Entrant]:
+    """Say of each of a list for which merits it is on the front."""
+    points: dict[str, list[tuple[float, Amount | None]]] = {m: [] for m in MERITS}
+    for one in ranked:
+        is_beaten = one.rests_on_others or one.saturates
+        for merit, own in points.items():
+            amount = None if is_beaten else read_amount(merit, getattr(one, merit))
+            own.append((float(one.utilisation), amount))
+    fronts = {merit: front(own) for merit, own in points.items()}
+    best = [
+        tuple(merit for merit in MERITS if fronts[merit][place])
+        for place in range(len(ranked))
+    ]
+    return Made(
+        lambda place: replace(ranked[place], on_front=best[place]), range(len(ranked))
+    ).held()
 
-    What neither meets nor meets on conditions has none.
+
+def rank(found: Sequence[R]) -> Sequence[R]:
+    """Order a list best first, say how sure each step is, and number it.
+
+    Neighbours that cannot be told apart at 95 % share a rank; what neither meets nor
+    meets on conditions has none.
     """
-    found: list[R] = []
+    keys, is_counted = [], False
+    for one in found:
+        keys.append(place_of(one))
+        is_counted = is_counted or one.trials is not None
+    order = sorted(range(len(keys)), key=keys.__getitem__)
+    ordered = Made(found.__getitem__, order).held()
+    ahead: list[Lead | None] = [None] * len(order)
+    if is_counted:
+        ahead[:-1] = [_ahead(one, after) for one, after in pairwise(ordered)]
+    numbers = numbered([VERDICTS[int(keys[k][0])] for k in order], ahead)
+
+    def make(place: int) -> R:
+        rank, is_tied = numbers[place]
+        return replace(ordered[place], ahead=ahead[place], rank=rank, is_tied=is_tied)
+
+    return Made(make, range(len(order))).held()
+
+
+def numbered(
+    verdicts: Iterable[str], ahead: Iterable[Lead | None]
+) -> list[tuple[int | None, bool]]:
+    """Return the rank of each of a list, and whether a neighbour shares it."""
+    found: list[tuple[int | None, bool]] = []
     rank, was_tied = 0, False
-    for place, one in enumerate(order, start=1):
+    for place, (verdict, lead) in enumerate(zip(verdicts, ahead, strict=True), 1):
         rank = rank if was_tied else place
-        is_tied = one.ahead is not None and one.ahead.is_tied
-        is_ranked = one.verdict in NUMBERED
-        found.append(
-            replace(one, rank=rank, is_tied=is_tied or was_tied) if is_ranked else one
-        )
+        is_tied = lead is not None and lead.is_tied
+        is_ranked = verdict in NUMBERED
+        found.append((rank, is_tied or was_tied) if is_ranked else (None, False))
         was_tied = is_tied
     return found
 
@@ -162,14 +176,22 @@ def pair_up(rows: Sequence[Entrant], *, shared: frozenset[str]) -> tuple[Unit, .
     return tuple(sorted(found, key=place_of))
 
 
-def rank_imus(rows: Sequence[Entrant], *, shared: frozenset[str]) -> tuple[Unit, ...]:
+def rank_imus(rows: Sequence[Entrant], *, shared: frozenset[str]) -> Sequence[Unit]:
     """Rank the devices of which both sensors are judged, under each procedure."""
-    lists: dict[str, list[Unit]] = {}
-    for (procedure, _), parts in by_device(rows).items():
-        own = [one for kind in (*SENSORS, *BOTH) for one in parts if one.sensor == kind]
-        if len(own) > 1 or any(one.sensor == IMU for one in own):
-            lists.setdefault(procedure, []).append(as_one(own, shared=shared))
-    return tuple(one for found in lists.values() for one in rank(found))
+    kinds = (*SENSORS, *BOTH)
+    parts: dict[tuple[str, int], list[tuple[int, int]]] = {}
+    for place, one in enumerate(rows):
+        own = parts.setdefault((one.procedure, one.place), [])
+        own.append((kinds.index(one.sensor), place))
+    lists: dict[str, list[list[int]]] = {}
+    for (procedure, _), own in parts.items():
+        if len(own) > 1 or kinds[own[0][0]] == IMU:
+            lists.setdefault(procedure, []).append([k for _, k in sorted(own)])
+
+    def unit(own: list[int]) -> Unit:
+        return as_one([rows[k] for k in own], shared=shared)
+
+    return chained(rank(Made(unit, own).held()) for own in lists.values())
 
 
 def by_device(rows: Iterable[Entrant]) -> dict[tuple[str, int], list[Entrant]]:
@@ -203,8 +225,8 @@ def _counted(triads: Sequence[Entrant]) -> Verdict:
     """Return the verdict on triads whose limits are counted in the same trials."""
     whole: Verdict = reduce(Verdict.beside, triads)
     verdict = whole.verdict
-    judged = [one.judged for one in triads if one.judged is not None]
-    all_of, needed = together(judged), judged[0].together
+    each = [one.counted for one in triads if one.counted is not None]
+    all_of, needed = together(each), each[0].together
     if needed is not None and all_of.value < needed and not whole.at_medians:
         verdict = FAILS
     conditions = () if verdict == FAILS else whole.conditions  # no answer mends it

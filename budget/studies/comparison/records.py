@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import chain
 from math import prod
-from typing import TYPE_CHECKING
+from sys import intern
+from typing import TYPE_CHECKING, NamedTuple
 
 from budget import views
 from budget.documents import Documented, written
 from budget.inputs.load import UNTESTED
 from budget.inputs.records import FACTORY
 from budget.results import VERDICTS, Study, Verdict
+from budget.spooled import Made
 from budget.ties import settle
 
 if TYPE_CHECKING:
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
     from budget.missing import Filling
     from budget.names import Name
     from budget.settings import Settings
-    from budget.studies.judgement import Judged
+    from budget.studies.judgement import Counted, Judged
 
 NUMBERED = ("meets", "meets_if")  # verdicts that a rank is of
 
@@ -179,8 +182,9 @@ class Entrant(Ranked):
     vendor: str = ""  # whom to ask; '' where its file does not say
     advice: str = ""
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
-    # With as many trials as the verdict took, and as its rank took.
-    judged: Judged | None = field(default=None, repr=False, compare=False)
+    # With as many trials as the verdict took; None where nothing is known.
+    counted: Counted | None = field(default=None, repr=False, compare=False)
+    # With as many as its rank took; None by the law alone, too.
     closer: Judged | None = field(default=None, repr=False, compare=False)
     normals: int = 0  # that a trial of its Problem draws
     impossible: tuple[str, ...] = ()  # outputs beyond their limits without any source
@@ -203,10 +207,10 @@ class Entrant(Ranked):
         Raises
         ------
         ValueError
-            It was not judged.
+            It was not judged by trials.
         """
         if self.closer is None:
-            raise ValueError(f"{self.name} was not judged")
+            raise ValueError(f"{self.name} was not judged by trials")
         return self.closer
 
     @property
@@ -330,6 +334,16 @@ class Unit(Ranked):
         return probability_of(self.parts)
 
 
+class Listed(NamedTuple):
+    """What an entrant is, and its verdict."""
+
+    name: str
+    place: int  # of the device among those compared
+    sensor: str
+    procedure: str
+    verdict: str
+
+
 def probability_of(parts: Sequence[Entrant]) -> float | None:
     """Return the probability that all parts meet; None where nothing is predicted [1].
 
@@ -373,12 +387,12 @@ class Comparison(Study):
     settings: Settings
     caps: tuple[tuple[str, str], ...]  # of the requirement: ('mass', '2 kg')
     not_compared: tuple[str, ...]  # sensors that have limits and no candidate
-    devices: tuple[Entrant, ...]
-    nothing_known: tuple[Entrant, ...]  # no error line given: undecidable, not ranked
+    devices: Sequence[Entrant]
+    nothing_known: Sequence[Entrant]  # no error line given: undecidable, not ranked
     # Sensors that have limits and candidates, of which none can be tested (range).
     untested: tuple[str, ...] = ()
     # Devices of both sensors as one, best first under each procedure.
-    imus: tuple[Unit, ...] = ()
+    imus: Sequence[Unit] = ()
     pairs: tuple[Unit, ...]  # every gyro with every accelerometer, where asked for
 
     def output_frame(self) -> pd.DataFrame:
@@ -386,15 +400,29 @@ class Comparison(Study):
         table: pd.DataFrame = views.view().output_frame(self)
         return table
 
+    @cached_property
+    def listed(self) -> list[Listed]:
+        """What each of the entrants is; of thousands they are looked up once."""
+        return [
+            Listed(
+                name=intern(one.name),
+                place=one.place,
+                sensor=intern(one.sensor),
+                procedure=intern(one.procedure),
+                verdict=intern(one.verdict),
+            )
+            for one in self.entrants
+        ]
+
     @property
     def required(self) -> tuple[str, ...]:
         """Sensors that have limits and candidates."""
-        return tuple(dict.fromkeys(row.sensor for row in self.entrants))
+        return tuple(dict.fromkeys(one.sensor for one in self.listed))
 
     @property
-    def entrants(self) -> tuple[Entrant, ...]:
+    def entrants(self) -> Iterator[Entrant]:
         """All that was to be compared: what was judged, then what nobody can judge."""
-        return (*self.devices, *self.nothing_known)
+        return chain(self.devices, self.nothing_known)
 
     @property
     def is_met(self) -> bool:
@@ -403,22 +431,23 @@ class Comparison(Study):
 
     def has(self, verdicts: Sequence[str]) -> bool:
         """Whether each required sensor has a device with one of these verdicts."""
-        return not self.untested and all(
-            any(d.verdict in verdicts for d in self.devices if d.sensor == sensor)
-            for sensor in self.required
-        )
+        found = {one.sensor for one in self.listed if one.verdict in verdicts}
+        return not self.untested and found.issuperset(self.required)
 
-    @property
-    def lists(self) -> dict[tuple[str, str], list[Entrant]]:
+    @cached_property
+    def lists(self) -> dict[tuple[str, str], Sequence[Entrant]]:
         """Devices by (sensor, procedure), sensor by sensor, best first."""
-        found: dict[tuple[str, str], list[Entrant]] = {
+        places: dict[tuple[str, str], list[int]] = {
             (sensor, procedure): []
             for sensor in self.required
             for procedure in self.procedures
         }
-        for one in self.devices:
-            found[one.sensor, one.procedure].append(one)
-        return found
+        for place, one in enumerate(self.listed[: len(self.devices)]):
+            places[one.sensor, one.procedure].append(place)
+        return {
+            key: Made(self.devices.__getitem__, own).held()
+            for key, own in places.items()
+        }
 
     @property
     def ranked(self) -> Iterator[Entrant]:

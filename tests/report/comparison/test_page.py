@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 import re
 from dataclasses import replace
@@ -134,11 +133,14 @@ def test_factor_of_a_source_that_cannot_mend_is_empty():
 
 def test_ties_share_a_rank(comparison):
     """Of four, the middle two tied: 1, 2=, 2=, 4."""
-    row = comparison.devices[0]
     sure, tied = (Lead(other="", probability=p) for p in (1.0, 0.5))
-    rows = [replace(row, ahead=ahead) for ahead in (sure, tied, sure, None)]
+    ranks = numbered(["meets"] * 4, [sure, tied, sure, None])
+    rows = [
+        replace(comparison.devices[0], rank=rank, is_tied=is_tied)
+        for rank, is_tied in ranks
+    ]
 
-    assert [one.printed_rank for one in numbered(rows)] == ["1", "2=", "2=", "4"]
+    assert [one.printed_rank for one in rows] == ["1", "2=", "2=", "4"]
 
 
 # Terminal
@@ -255,7 +257,7 @@ def test_pairs_are_counted_beyond_twenty():
 
 def test_documents_agree(comparison):
     """CSV and JSON hold the same numbers, a row for each device and output."""
-    rows = list(csv.DictReader(io.StringIO(to_csv(comparison))))
+    rows = list(csv.DictReader(to_csv(comparison)))
     devices = json.loads(json_text(comparison.to_dict()))["devices"]
 
     flat = [output["utilisation"] for one in devices for output in one["outputs"]]
