@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one core means one
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as a user starts it
 
 import argparse
 import json
