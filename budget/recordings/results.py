@@ -14,6 +14,7 @@ import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
+from itertools import product
 from math import erfc, hypot, inf, sqrt
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ import numpy as np
 
 from budget.calibration.mistakes import (
     TOLD_APART,
+    Mistake,
     inputs_of,
     mistakes_of,
 )
@@ -32,7 +34,7 @@ from budget.errors import CallError, Issue, SpecError, UnitError
 from budget.inputs.files import find
 from budget.inputs.reader import read_bytes, refuse
 from budget.inputs.records import Sensor
-from budget.model.source import SENSORS
+from budget.model.source import GYRO, SENSORS
 from budget.names import (
     ANGLES,
     AXES,
@@ -57,10 +59,14 @@ if TYPE_CHECKING:
     from budget.arrays import Array
     from budget.inputs.files import File, NamedFile
     from budget.inputs.records import Procedure
+    from budget.model.place import Place
     from budget.model.scheme import Scheme
 
 MOVED, WITHIN, NOT_TOLD = "moved", "within", "not told"
 LEVEL = 0.05  # probability that one of all is found to have moved, and none has
+BY_CHANCE = 32.9  # squares of 12 changes that one in a thousand has more of [1]
+# Of one axis, and how many times w sin(latitude) they make.
+OF_ONE_AXIS = (("earth_rate_sign", 2.0), ("earth_rate_missing", 1.0))
 EXPLAINED = 0.1  # of the squares of a change, that a mistake leaves at the most [1]
 COMMAND = "calibrate"
 MOST_BYTES = 64 * 1024 * 1024
@@ -542,7 +548,7 @@ class ChangedParameter(Documented):
     """
     *mistake as mistake
     evidence: squares of the change that it explains
-    run: in which it would have been made, 'first' or 'second'
+    run: in which it would have been made, 'first', 'second' or 'either'
     """,
 )
 @dataclass(frozen=True, kw_only=True)
@@ -726,9 +732,15 @@ def _looks(
                 procedure.place,
                 procedure.sample_rate,
             )
-            for run, sign in (("second", 1.0), ("first", -1.0))
             if (made := _made(scheme, mistake)) is not None
+            for run, sign in (("second", 1.0), ("first", -1.0))
             for left in [_square(change - sign * made, covariance)]
+        ]
+        found += [
+            (left, "either", one)
+            for one, made in (_in_one_axis(procedure.place) if kind == GYRO else ())
+            for sign in (1.0, -1.0)  # up or down: the procedure may be another
+            if (left := _square(change - sign * made, covariance)) <= BY_CHANCE
         ]
         whole = _square(change, covariance)
         least = min(found, key=lambda one: one[0], default=None)
@@ -740,6 +752,19 @@ def _looks(
                 evidence=whole - least[0],
                 run=least[1],
             )
+
+
+def _in_one_axis(place: Place) -> Iterator[tuple[Mistake, Array]]:
+    """Yield mistakes about the earth rate of one axis, and what they make, (12,) [SI].
+
+    Turns there and back about an axis that points up read its bias and w sin(latitude),
+    on the average: who computes axis by axis can take that with the wrong sign in one.
+    """
+    rate = place.earth_rate * np.sin(place.latitude)
+    for (name, times), k in product(OF_ONE_AXIS, range(3)):
+        made = np.zeros(12)
+        made[9 + k] = times * rate
+        yield Mistake(name=name, what=(("axis", AXES[k]),)), made
 
 
 def _axes_of(parameter: str) -> Sequence[str]:
@@ -775,7 +800,7 @@ def _square(change: Array, covariance: Array) -> float:
     return float(scaled @ np.linalg.solve(covariance / u[:, None] / u, scaled))
 
 
-def _made(scheme: Scheme, mistake: Any) -> Array | None:  # noqa: ANN401 - of mistakes
+def _made(scheme: Scheme, mistake: Mistake) -> Array | None:
     """Return what a mistake makes of the parameters of a nominal triad, (12,) [SI]."""
     place = mistake.place or scheme.place
     windows = mistake.really(scheme.schedule.windows)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from pathlib import PurePath
+from math import degrees, radians, sin
+from pathlib import Path, PurePath
 
 import numpy as np
 import pytest
@@ -139,6 +140,58 @@ def test_a_change_of_the_size_of_a_mistake_is_named(folder):
     (found,) = change(folder, "a", "turned").looks_like
     assert found.mistake.name == "turn_sense"
     assert not change(folder, "a", "turned", procedure=None).looks_like
+
+
+# One turntable run of a fibre-optic unit in Wuhan (turns there and back about each axis
+# pointing up), published twice: the biases of one axis are 15.29 deg/h apart.
+WUHAN = "30.531651244 deg"
+
+
+def test_two_published_results_of_one_run_are_told(tmp_path):
+    """2 w sin(latitude) in one axis: its earth rate had the wrong sign."""
+    apart = 2.0 * degrees(7.292115e-5) * 3600.0 * sin(radians(30.531651244))
+    assert_allclose(apart, 15.28, atol=0.005)
+    faces = [
+        {"face": f"{axis} {way}", "dwell": "3 min", "use": "accelerometer"}
+        for axis in "xyz"
+        for way in ("up", "down")
+    ]
+    turns = [
+        {"face": f"{axis} up", "turn": "vertical", "turns": sign, "rate": "10 deg/s"}
+        for axis in "xyz"
+        for sign in (1, -1)
+    ]
+    how = {"name": "turntable", "latitude": WUHAN, "gravity": "9.7936174 m/s^2"}
+    how |= {"sample_rate": "100 Hz", "windows": [*faces, *turns]}
+    procedure, run, first = (
+        str(tmp_path / name) for name in ("how.yaml", "run.csv", "first.json")
+    )
+    Path(procedure).write_text(json.dumps(how), encoding="utf-8")
+    words = ("--procedure", procedure)
+    call("simulate", "zhao-2019", *words, "--means", "--seed", "1", "-o", run)
+    call("calibrate", run, *words, "--device", "zhao-2019", "--json", first)
+    document = json.loads(Path(first).read_text(encoding="utf-8"))
+    (bias,) = (
+        one
+        for one in document["outputs"]
+        if (one["sensor"], one["parameter"], one["axis"]) == ("gyro", "bias", "y")
+    )
+    bias["value"] -= 15.29
+    document["inputs"]["recording"]["sha256"] = "1" * 64
+    second = tmp_path / "second.json"
+    second.write_text(json.dumps(document), encoding="utf-8")
+    found = change_between(
+        read_result(first), read_result(second), load_procedure(procedure)
+    )
+    (looks,) = found.looks_like
+    assert (looks.mistake.name, looks.mistake.axis) == ("earth_rate_sign", "y")
+    assert looks.run == "either"
+    said = " ".join(call("diff", first, str(second), *words).out.split())
+    assert "the earth rate with the wrong sign, in axis y alone" in said
+    assert_allclose(chi2.isf(0.001, 12), 32.9, rtol=1e-3)
+    bias["value"] += 1.0  # 25 u from it
+    second.write_text(json.dumps(document), encoding="utf-8")
+    assert "wrong sign" not in call("diff", first, str(second), *words).out
 
 
 def test_diff_says_it(folder):
