@@ -18,7 +18,7 @@ from budget.errors import BudgetError
 S = TypeVar("S")
 T = TypeVar("T")
 
-IN_MEMORY = 4096  # records of a list that stay there, some 15 kB each
+IN_MEMORY = 2048  # records of a list that stay there, some 15 kB each
 
 
 class Lazy(Sequence[T]):

@@ -63,7 +63,7 @@ class Study(Shown, Documented):
     title: str = ""  # names of the devices
     inputs: tuple[InputFile, ...]  # files that it depends on
     settings: Settings  # what it depends on besides
-    assumptions: tuple[str, ...]
+    assumptions: Sequence[str]
     warnings: tuple[str, ...]
     # What it answers (budget.question.Question): results know nothing of files.
     question: Any = field(default=None, repr=False)

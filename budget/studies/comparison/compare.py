@@ -20,7 +20,7 @@ from budget.recordings.measured_unit import measured_units
 from budget.results import input_file, named_files, results_of
 from budget.sentences import sentence
 from budget.settings import Asked, Engine, Inputs, asking
-from budget.spooled import Made, chained
+from budget.spooled import Made, SpooledList, chained
 from budget.studies.blunders import against_limits
 from budget.studies.cautions import (
     about_results,
@@ -42,7 +42,7 @@ from budget.studies.comparison.records import Comparison
 from budget.studies.judgement import MAX_TRIALS, TRIALS
 
 if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Sequence
+    from collections.abc import Container, Iterable, Iterator, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import (
@@ -156,13 +156,14 @@ def compare(
         )
     named: list[tuple[str, list[str]]] = []  # with the sensors of each
     files: list[InputFile] = []
-    assumed: dict[str, None] = {}
+    assumed: SpooledList[str] = SpooledList()
+    said: set[str] = set()
     alike: dict[object, Device] = {}  # one for all of which cautions say the same
     for place, one in enumerate(imus):
         kinds = [sensor.kind for sensor in one.sensors]
         named.append((one.name, kinds))
         files += [input_file("device", one)] * (place < len(sheets))
-        assumed |= dict.fromkeys(_assumed(one, tests))
+        assumed.extend(_anew(_assumed(one, tests), said))
         alike.setdefault((one.measured, *kinds), one)
     some = [*alike.values()]
     of_both = [name for name in wanted.outputs if name.owner == IMU]
@@ -195,10 +196,13 @@ def compare(
         untested=tuple(owner for owner, is_tested in owners.items() if not is_tested),
         imus=rank_imus(ranked, shared=shared_by_both(wanted.outputs)),
         pairs=pair_up(ranked, shared=shared_by_both(wanted.outputs)) if pairs else (),
-        assumptions=(
-            *(() if journey is None else journey.assumptions),
-            *_aged(tests),
-            *(assumed | filled),
+        assumptions=chained(
+            [
+                () if journey is None else journey.assumptions,
+                [*_aged(tests)],
+                assumed,
+                [*_anew(filled, said)],
+            ]
         ),
         warnings=(
             *dict.fromkeys(chain(*(better_than_units(some, one) for one in tests))),
@@ -231,6 +235,14 @@ def _assumed(device: Device, procedures: Sequence[Procedure]) -> Iterator[str]:
     texts = (not_weighted(device.sensors, procedure) for procedure in procedures)
     for text in (*device.assumptions, *chain.from_iterable(texts)):
         yield sentence("assumed.of", key=device.name, text=text)
+
+
+def _anew(texts: Iterable[str], said: set[str]) -> Iterator[str]:
+    """Yield the texts that are not said yet, and note them."""
+    for text in texts:
+        if (plain := str(text)) not in said:
+            said.add(plain)
+            yield text
 
 
 def _check(asked: Asked, *, trials: int, max_trials: int) -> None:
