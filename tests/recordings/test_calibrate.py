@@ -28,6 +28,7 @@ from budget.units import size_of
 RUN = TESTS / "data" / "run.csv"
 SIX = "six-positions-and-turns"
 PARAMETERS = ("scale_factor", "mounting_angle", "bias")
+STATED = {"scale_factor_repeatability": {"value": "500 ppm", "meaning": "1 sigma"}}
 
 
 @pytest.fixture
@@ -445,6 +446,22 @@ def test_a_triad_without_noise_is_calibrated_and_its_soundness_not_told(folder):
     assert any("soundness is not told" in str(one) for one in found.warnings)
     assert found.is_sound is None
     assert {one.sensor for one in found.outputs} == {"gyro", "accelerometer", "imu"}
+
+
+@pytest.mark.parametrize(("line", "is_sound"), [({}, True), (STATED, False)])
+def test_a_unit_is_not_held_against_what_its_sheet_does_not_say(folder, line, is_sound):
+    """5000 ppm of a sheet with a nonlinearity alone; a stated tolerance is one."""
+    own = dict(MEMS["gyro"]["errors"], scale_factor_nonlinearity="100 ppm")
+    del own["scale_factor_repeatability"]
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    for row in rows[1:]:
+        row[2:5] = [f"{1.005 * float(x):.9g}" for x in row[2:5]]
+    text = "".join(",".join(row) + "\n" for row in rows)
+    (folder / "off.csv").write_text(text, encoding="utf-8")
+    sheet = {**MEMS, "gyro": {"errors": {**own, **line}}}
+    found = calibrate("off.csv", procedure="six.yaml", device=sheet)
+    assert found.is_sound is is_sound
 
 
 def test_limits_beside_lower_bounds_are_not_decided(folder):
