@@ -491,6 +491,34 @@ def test_limits_beside_lower_bounds_are_not_decided(folder):
     assert document["lower_bound"] is True
 
 
+def test_a_repeatability_that_is_not_given_widens_no_value_of_the_run(folder):
+    """It cancels: U is the same and no bound, limits are met, and it is said."""
+    (folder / "r.yaml").write_text(
+        "name: wide\nreference: as_tested\nlimits:\n  gyro:\n    bias: 100 deg/h\n",
+        encoding="utf-8",
+    )
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    file = written(folder, made)
+    sheet = {**MEMS, "gyro": {"errors": {**MEMS["gyro"]["errors"]}}}
+    for name in ("bias", "scale_factor", "mounting"):
+        del sheet["gyro"]["errors"][f"{name}_repeatability"]
+    rest = {"procedure": "six.yaml", "requirement": "r.yaml"}
+    less, whole = (calibrate(file, device=x, **rest) for x in (sheet, "mems.yaml"))
+    assert not less.lacks
+    assert not less.is_open
+    assert not any("lower bound" in str(one) for one in less.warnings)
+    for one, other in zip(less.outputs, whole.outputs, strict=True):
+        u = (one.standard_uncertainty, other.standard_uncertainty)
+        assert_allclose(*u, rtol=1e-5)  # products with it are of second order
+        assert one.left_standing == other.left_standing
+    (folder / "less.yaml").write_text(json.dumps(sheet), encoding="utf-8")
+    words = ("calibrate", "run.csv", "--procedure", "six.yaml", "--requirement")
+    found = call(*words, "r.yaml", "--device", "less.yaml")
+    assert found.code == 0
+    said = " ".join(found.out.split())
+    assert "sound, and every parameter is known as well as required" in said
+
+
 def test_limits_on_other_errors_are_refused():
     """Of the next turn-on, say: the run does not know it, and so nothing is met."""
     words = ("calibrate", str(RUN), "--procedure", "zhao-2019", "--device", "zhao-2019")

@@ -245,7 +245,7 @@ def test_unsound_runs_are_left_out_and_said(tmp_path):
     """They are no values of the unit."""
     found = history(written(tmp_path, is_sound=False))
     assert len(found.parameters[0].values) == 3
-    assert "cal-0.json is of a run that was not sound" in str(found.warnings[0])
+    assert "of a run that was not sound: cal-0.json" in str(found.warnings[0])
 
 
 @pytest.mark.parametrize(
