@@ -27,7 +27,7 @@ from budget.earth import normal_gravity
 from budget.errors import CallError
 from budget.model.response import BIAS, COLUMN, ROW, SIGN, STATISTICS
 from budget.model.scheme import mean_powers
-from budget.model.source import GYRO, Offset, TurnOnChange
+from budget.model.source import GYRO, Nonlinearity, Offset, TurnOnChange
 from budget.model.sources import source_of
 from budget.model.windows import FACES, OUTER, Schedule, Setting
 from budget.names import AXES
@@ -739,7 +739,8 @@ def prior_of(sensor: Sensor, largest: float, *, is_scaled: bool = True) -> Prior
     """Return how well parameters of a unit are known before a calibration.
 
     Of offsets, tolerances of a new unit and changes with what the test is done in; what
-    nothing is given of is known as WIDE says.
+    nothing is given of is known as WIDE says. How far a scale factor is off its line at
+    another input is no tolerance of it.
 
     Parameters
     ----------
@@ -754,7 +755,8 @@ def prior_of(sensor: Sensor, largest: float, *, is_scaled: bool = True) -> Prior
         effect = source_of(sensor.kind, line.name).meant(line).effect
         if isinstance(effect, Offset):
             variance[effect.target] += line.u**2
-            given.add(effect.target)
+            if not isinstance(effect, Nonlinearity):
+                given.add(effect.target)
         elif isinstance(effect, TurnOnChange):
             for target, gains in effect.gains(known).items():
                 variance[target] += (gains[0] ** 2) @ line.u**2

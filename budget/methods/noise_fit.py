@@ -12,7 +12,7 @@ BIC = -2 l + k ln n.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from math import exp, inf, log, pi, sqrt
+from math import exp, hypot, inf, log, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -42,6 +42,9 @@ MODELS: Mapping[str, tuple[str, ...]] = {
 RATIO = 4.0  # of the correlation times that make up flicker [1]
 LONGEST = 4.0  # of them, over the length of the record [1]
 SHAPE = log(RATIO) / pi  # variance of each, over B^2 [1]
+# Of a correlation time over the record, from which the process is the random walk that
+# it is there: l differs by 1e-5, and by rounding at a million times as much [1].
+SLOWEST = 1e4
 NOT_TOLD = 6.0  # of two models whose BIC differ by less, neither is told [1]
 AT_95, AT_68, ONE_SIDED_95 = 3.841458820694124, 0.9889464815, 2.705543454095404
 BELOW = 1e300  # in the place of a likelihood that is none
@@ -85,13 +88,17 @@ class BlockMeans:
         """Return the restricted likelihood of a model with these values."""
         D, processes, white = self.block, [], values[WHITE] ** 2 / self.block
         has_flicker = FLICKER in values
-        if WALK in values:
-            by = BlockProcess.walk_of_means if has_flicker else BlockProcess.walk
-            processes.append(by(values[WALK], D))
+        walk = values.get(WALK, 0.0)
         if TIME in values:
             time = values[TIME]
             sigma = values.get(SIGMA) or values[SLOW] * sqrt(time / 2.0)
-            processes.append(BlockProcess.markov(sigma, time, D))
+            if time > SLOWEST * self.duration:
+                walk = hypot(walk, sigma * sqrt(2.0 / time))
+            else:
+                processes.append(BlockProcess.markov(sigma, time, D))
+        if walk:
+            by = BlockProcess.walk_of_means if has_flicker else BlockProcess.walk
+            processes.insert(0, by(walk, D))
         if has_flicker:
             own = values[FLICKER] * sqrt(SHAPE)
             time = D / RATIO

@@ -9,6 +9,7 @@ the estimate by the readings, J s^2 J'.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, replace
 from datetime import date as Day  # noqa: N812 - one word with one meaning
 from math import hypot, inf, isnan, log, sqrt
@@ -40,6 +41,7 @@ from budget.inputs import load_device
 from budget.inputs.files import find
 from budget.inputs.records import UNCALIBRATED, Sensor
 from budget.methods.gum import propagate
+from budget.missing.expected import lacking
 from budget.model.estimators import estimator_of
 from budget.model.measured import MeasuredTurns, turns_of_rows
 from budget.model.norm import NormScheme
@@ -698,12 +700,19 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
     is_bad = any(not one.is_sound for one in sound.values()) or any(
         x.is_spoilt for _, _, x in _healths(read, triads)
     )
-    lower = {one.owner for one in _lacks(given, triads)} | {*untold}
-    lower |= {IMU} if lower else set()
+    lacks = _lacks(given, triads)
+    open_ones = {*untold} | ({IMU} if untold else set())
     outputs = tuple(
-        one if is_bad else _judged(one, is_lower=one.sensor in lower)
-        for one in _as_found(_outputs(valued, made, given), made, given)
+        one
+        if is_bad
+        else _judged(one, is_lower=one.sensor in open_ones or bool(lacks.get(name)))
+        for name, one in zip(
+            (x.name for x in made.outputs),
+            _as_found(_outputs(valued, made, given), made, given),
+            strict=True,
+        )
     )
+    widening = tuple(dict.fromkeys(x for o in made.outputs for x in lacks[o.name]))
     judged = {
         Name(one.parameter, owner=one.sensor, axis=one.axis)
         for one in outputs
@@ -739,12 +748,12 @@ def _put_together(given: GivenOfRun, triads: Sequence[_Triad]) -> RecordedCalibr
             sentence("calibrations.as_tested"),
         ),
         warnings=(
-            *_warnings(given, triads, not_judged),
+            *_warnings(given, triads, widening, not_judged),
             *untold.values(),
         ),
         least_p=SUSPECT,
         untold=tuple(untold),
-        lacks=_lacks(given, triads),
+        lacks=widening,
         not_judged=not_judged,
     )
 
@@ -1247,32 +1256,40 @@ def _of_heading(triads: Sequence[_Triad], procedure: Procedure) -> tuple[str, ..
     return (sentence("calibrations.first_heading"),)
 
 
-def _lacks(given: GivenOfRun, triads: Sequence[_Triad]) -> tuple[Name, ...]:
-    """Return what a data sheet does not give and would add to uncertainties."""
+def _lacks(
+    given: GivenOfRun, triads: Sequence[_Triad]
+) -> Mapping[Name, tuple[Name, ...]]:
+    """Return what the sheet does not give and would widen errors against this run.
+
+    By the output; a repeatability cancels in all of them.
+    """
     if given.unit is None:
-        return ()
-    return tuple(x for one in triads for x in one.sensor.expected_missing)
+        return defaultdict(tuple)
+    sensors = [one.sensor for one in triads]
+    return defaultdict(tuple, lacking(sensors, given.there, reference=AS_TESTED))
 
 
 def _warnings(
-    given: GivenOfRun, triads: Sequence[_Triad], not_judged: Sequence[Name]
+    given: GivenOfRun,
+    triads: Sequence[_Triad],
+    lacks: Sequence[Name],
+    not_judged: Sequence[Name],
 ) -> Iterator[str]:
     """Yield what has to be said of a run besides."""
     read, how, unit = given.read, given.how, given.unit
     left = sorted(read.means.keys() - {one.sensor.kind for one in triads})
-    lacks = _lacks(given, triads)
     far = [
         Name(SCALE_FACTOR, owner=one.sensor.kind)
         for one in triads
         if unit is None and not one.has_counts
         if (np.abs(one.scale_factor - 1.0) > HALF).any()
     ]
-    held = [
-        name
-        for one in triads
-        for name in parameters_of(one.sensor.kind)
-        if name not in estimated(one.sensor.kind, given.there)
-    ]
+    held: dict[Name, list[str]] = {}  # axes, by the parameter
+    for one in triads:
+        kind = one.sensor.kind
+        own = estimated(kind, given.there)
+        for x in (name for name in parameters_of(kind) if name not in own):
+            held.setdefault(Name(x.quantity, owner=kind), []).append(x.axis)
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
     missing = [
         one.kind
@@ -1287,7 +1304,7 @@ def _warnings(
     name = "" if before is None else before.name
     rows = [
         (is_other, sentence("calibrations.other_unit")),
-        (is_unsound, sentence("calibrations.unsound", name=name)),
+        (is_unsound, sentence("calibrations.unsound", names=[name])),
         (missing, sentence("calibrations.not_recorded", sensors=missing)),
         (
             abs(log(ratio)) > log(SAME_PACE),
@@ -1331,7 +1348,7 @@ def _warnings(
             )
             for one in triads
         ),
-        (held, sentence("calibrations.held", names=held)),
+        (held, sentence("calibrations.held", names=[*held.items()])),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),
         (

@@ -419,9 +419,8 @@ class RecordedCalibration(Documented):
     @property
     def is_open(self) -> bool:
         """Whether limits are not judged: of what is not found, or not known well."""
-        has_limit = any(one.limit is not None for one in self.outputs)
-        is_lower = has_limit and bool(self.lacks or self.untold)
-        return (is_lower or bool(self.not_judged)) and not self.missed
+        is_open = any(one.left_standing == "undecided" for one in self.outputs)
+        return (is_open or bool(self.not_judged)) and not self.missed
 
     @property
     def missed(self) -> tuple[CalibratedOutput, ...]:

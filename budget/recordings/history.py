@@ -26,7 +26,7 @@ from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.inputs import load_device
 from budget.inputs.reader import refuse
-from budget.model.source import Offset
+from budget.model.source import Nonlinearity, Offset
 from budget.model.sources import source_of
 from budget.model.sources.later import AGEING, growth
 from budget.names import PARAMETERS, Name
@@ -550,7 +550,8 @@ def _turn_on(unit: Device, key: Key) -> Given | None:
     own = next((one for one in unit.sensors if one.kind == sensor), None)
     for line in () if own is None else own.lines:
         effect = source_of(sensor, line.name).meant(line).effect
-        if isinstance(effect, Offset) and effect.target == parameter:
+        is_shape = isinstance(effect, Nonlinearity)
+        if isinstance(effect, Offset) and not is_shape and effect.target == parameter:
             return line
     return None
 

@@ -499,12 +499,13 @@ def common_keys(
 
 
 def said_of(results: Sequence[CalibrationResult]) -> Iterator[str]:
-    """Yield what has to be said of results: not sound, or lower bounds."""
-    for one in results:
-        if one.is_sound is False:
-            yield sentence("calibrations.unsound", name=one.name)
-        if one.is_bound:
-            yield sentence("calibrations.bound", name=one.name)
+    """Yield what has to be said of results, once of all: not sound, or lower bounds."""
+    unsound = [one.name for one in results if one.is_sound is False]
+    bounds = [one.name for one in results if one.is_bound]
+    if unsound:
+        yield sentence("calibrations.unsound", names=unsound)
+    if bounds:
+        yield sentence("calibrations.bound", names=bounds)
 
 
 @written(

@@ -70,13 +70,15 @@ def not_calibrated(devices: Sequence[Device], procedure: Procedure) -> tuple[str
 
 def about_results(devices: Sequence[Device], procedure: Procedure) -> tuple[str, ...]:
     """Say what results of recorded calibrations leave open."""
-    found = []
-    for one in _results(devices, procedure):
-        if not one.is_told:
-            found.append(sentence("measured_unit.untold", file=one.file))
-        if not (one.has_station or procedure.station):
-            found.append(sentence("measured_unit.no_table", file=one.file))
-    return tuple(found)
+    every = _results(devices, procedure)
+    has_table = bool(procedure.station)
+    untold = [one.file for one in every if not one.is_told]
+    bare = [one.file for one in every if not (one.has_station or has_table)]
+    rows = (
+        (untold, sentence("measured_unit.untold", files=untold)),
+        (bare, sentence("measured_unit.no_table", files=bare)),
+    )
+    return tuple(said for files, said in rows if files)
 
 
 def better_than_units(

@@ -261,3 +261,16 @@ def test_what_nothing_is_given_of_is_wide():
     prior = prior_of(load_device(sheet).gyro, 1.0)
     assert prior.is_known.tolist() == [False] * 9 + [True] * 3
     assert (prior.u[:9] > 0.1).all()
+
+
+@pytest.mark.parametrize("has_tolerance", [False, True])
+def test_a_nonlinearity_is_no_tolerance_of_a_scale_factor(has_tolerance):
+    """A sheet with that alone knows nothing of it; beside a tolerance it adds to it."""
+    errors = dict(MEMS["gyro"]["errors"], scale_factor_nonlinearity="100 ppm")
+    if not has_tolerance:
+        del errors["scale_factor_repeatability"]
+    sheet = {**MEMS, "gyro": {"errors": errors}}
+    prior = prior_of(load_device(sheet).gyro, 1.0)
+    u = np.hypot(2000e-6, 100e-6) if has_tolerance else 0.5
+    assert prior.is_known[:3].tolist() == [has_tolerance] * 3
+    assert_allclose(prior.u[:3], u, rtol=1e-12)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import log, sqrt
 
 import numpy as np
@@ -10,7 +11,9 @@ from numpy.testing import assert_allclose
 from scipy.signal import lfilter
 
 from budget.methods.noise_fit import (
+    AT_68,
     BlockMeans,
+    Runs,
     allan_variance,
     fit_models,
     fit_noise,
@@ -285,3 +288,47 @@ def test_a_large_mean_leaves_the_likelihood_its_digits():
     own, above = (restricted(y + level, X, processes, 1.0) for level in (0.0, 1e6))
     assert_allclose(above.log_likelihood, own.log_likelihood, rtol=1e-9)
     assert_allclose(above.fit - 1e6, own.fit, rtol=1e-6, atol=1e-9)
+
+
+def _walks(seed, coefficient=0.02, number=1000, block=2.0, runs=2):
+    """Return records of white noise of 1 with a random walk."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for _ in range(runs):
+        steps = rng.normal(0.0, coefficient * np.sqrt(block), number)
+        y = rng.normal(0.0, 1.0 / np.sqrt(block), number) + np.cumsum(steps)
+        ones = np.ones((number, 1))
+        found.append(BlockMeans(y=y, X=ones, block=block, sample=0.01))
+    return Runs(tuple(found))
+
+
+@pytest.mark.parametrize("times", [1e3, 1e5, 1e9, 1e12, 1e20])
+def test_a_process_too_slow_for_a_record_is_a_walk(times):
+    """Its likelihood is that of a random walk of sigma sqrt(2/tau), to O(T/tau)."""
+    (data,) = _walks(1, runs=1).records
+    tau, K = times * data.duration, 0.02
+    slow = {"N": 1.0, "sigma": K * np.sqrt(tau / 2.0), "tau": tau}
+    found, walk = data.likelihood(slow), data.likelihood({"N": 1.0, "K": K})
+    assert_allclose(
+        found.log_likelihood, walk.log_likelihood, rtol=0, atol=1.0 / times + 1e-9
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(6))
+def test_a_correlation_time_that_runs_away_gains_nothing(seed):
+    """A walk costs one parameter less; N is known no better than by white noise alone.
+
+    Of n means the logarithm of N has 1/sqrt(2 (n - 1)) at the least, Fisher's bound.
+    """
+    data = _walks(seed)
+    walk, markov = (fit_noise(data, one) for one in ("rw", "gm"))
+    assert markov.bic > walk.bic
+    slow = replace(markov, values={**markov.values, "tau": 1e9 * data.duration})
+    slow.values["sigma"] = walk.values["K"] * np.sqrt(slow.values["tau"] / 2.0)
+    slow.values["N"] = walk.values["N"]
+    slow = replace(slow, log_likelihood=walk.log_likelihood)
+    for one in (walk, markov, slow):
+        low, high = profile_interval(one, "N", AT_68)
+        relative = 0.5 * np.log(high / low)
+        assert relative > 0.98 / np.sqrt(2.0 * (data.number - 1))

@@ -28,6 +28,7 @@ from budget.units import size_of
 RUN = TESTS / "data" / "run.csv"
 SIX = "six-positions-and-turns"
 PARAMETERS = ("scale_factor", "mounting_angle", "bias")
+STATED = {"scale_factor_repeatability": {"value": "500 ppm", "meaning": "1 sigma"}}
 
 
 @pytest.fixture
@@ -447,6 +448,22 @@ def test_a_triad_without_noise_is_calibrated_and_its_soundness_not_told(folder):
     assert {one.sensor for one in found.outputs} == {"gyro", "accelerometer", "imu"}
 
 
+@pytest.mark.parametrize(("line", "is_sound"), [({}, True), (STATED, False)])
+def test_a_unit_is_not_held_against_what_its_sheet_does_not_say(folder, line, is_sound):
+    """5000 ppm of a sheet with a nonlinearity alone; a stated tolerance is one."""
+    own = dict(MEMS["gyro"]["errors"], scale_factor_nonlinearity="100 ppm")
+    del own["scale_factor_repeatability"]
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    for row in rows[1:]:
+        row[2:5] = [f"{1.005 * float(x):.9g}" for x in row[2:5]]
+    text = "".join(",".join(row) + "\n" for row in rows)
+    (folder / "off.csv").write_text(text, encoding="utf-8")
+    sheet = {**MEMS, "gyro": {"errors": {**own, **line}}}
+    found = calibrate("off.csv", procedure="six.yaml", device=sheet)
+    assert found.is_sound is is_sound
+
+
 def test_limits_beside_lower_bounds_are_not_decided(folder):
     """A sheet without in-run bias: U is a lower bound, and nothing meets by it."""
     (folder / "r.yaml").write_text(
@@ -472,6 +489,34 @@ def test_limits_beside_lower_bounds_are_not_decided(folder):
     assert "whether limits are met is not decided" in " ".join(found.out.split())
     document = json.loads((folder / "a.json").read_text(encoding="utf-8"))
     assert document["lower_bound"] is True
+
+
+def test_a_repeatability_that_is_not_given_widens_no_value_of_the_run(folder):
+    """It cancels: U is the same and no bound, limits are met, and it is said."""
+    (folder / "r.yaml").write_text(
+        "name: wide\nreference: as_tested\nlimits:\n  gyro:\n    bias: 100 deg/h\n",
+        encoding="utf-8",
+    )
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    file = written(folder, made)
+    sheet = {**MEMS, "gyro": {"errors": {**MEMS["gyro"]["errors"]}}}
+    for name in ("bias", "scale_factor", "mounting"):
+        del sheet["gyro"]["errors"][f"{name}_repeatability"]
+    rest = {"procedure": "six.yaml", "requirement": "r.yaml"}
+    less, whole = (calibrate(file, device=x, **rest) for x in (sheet, "mems.yaml"))
+    assert not less.lacks
+    assert not less.is_open
+    assert not any("lower bound" in str(one) for one in less.warnings)
+    for one, other in zip(less.outputs, whole.outputs, strict=True):
+        u = (one.standard_uncertainty, other.standard_uncertainty)
+        assert_allclose(*u, rtol=1e-5)  # products with it are of second order
+        assert one.left_standing == other.left_standing
+    (folder / "less.yaml").write_text(json.dumps(sheet), encoding="utf-8")
+    words = ("calibrate", "run.csv", "--procedure", "six.yaml", "--requirement")
+    found = call(*words, "r.yaml", "--device", "less.yaml")
+    assert found.code == 0
+    said = " ".join(found.out.split())
+    assert "sound, and every parameter is known as well as required" in said
 
 
 def test_limits_on_other_errors_are_refused():

@@ -149,6 +149,23 @@ def test_a_value_of_the_unit_has_the_repeatability():
     assert any("no device is given" in str(x) for x in alone.assumptions)
 
 
+def test_a_nonlinearity_is_no_repeatability():
+    """Of a sheet that prints the shape of a scale factor alone, before it or after."""
+    shape = {"scale_factor_nonlinearity": "20 ppm"}
+    errors = {**shape, **SHEET["gyro"]["errors"]}
+    alone = {**SHEET, "gyro": {"errors": errors}}
+    both = {**errors, "scale_factor_repeatability": "70 ppm"}
+    for sheet, R in ((alone, None), ({**SHEET, "gyro": {"errors": both}}, 70.0)):
+        found = history(FOLDER, device=sheet).parameters
+        own = [x for x in found if (x.sensor, x.parameter) == ("gyro", "scale_factor")]
+        assert len(own) == 3
+        for one in own:
+            if R is None:
+                assert one.repeatability is None
+            else:
+                assert_allclose(one.repeatability, R, rtol=1e-12)
+
+
 def test_limits_of_the_next_turn_on_have_the_repeatability_twice(tmp_path):
     """As `calibrate` they are refused without it; what cannot be judged is listed."""
     (tmp_path / "r.yaml").write_text(
@@ -228,7 +245,7 @@ def test_unsound_runs_are_left_out_and_said(tmp_path):
     """They are no values of the unit."""
     found = history(written(tmp_path, is_sound=False))
     assert len(found.parameters[0].values) == 3
-    assert "cal-0.json is of a run that was not sound" in str(found.warnings[0])
+    assert "of a run that was not sound: cal-0.json" in str(found.warnings[0])
 
 
 @pytest.mark.parametrize(
