@@ -242,7 +242,7 @@ def _simulate_triad(
     found, shown = _calibrate(
         sensor, scheme, tested, drawn, known, sample_rate=sample_rate, beside=beside
     )
-    calibrated = np.concatenate([found.scale_factor, found.mounting_angle, found.bias])
+    calibrated = found.vector[:12]
     design = turn_on_of(sensor, [], known)
     if scheme.held is not None:
         nominal = np.concatenate([1.0 + design.k, design.angle, design.bias])

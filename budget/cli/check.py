@@ -322,7 +322,7 @@ def _show_procedure(name: str, devices: Sequence[Device]) -> None:
     from budget.cli.output import print_page
     from budget.inputs import load_procedure
     from budget.model.sources import SENSORS
-    from budget.recordings.calibrate import unseen_mistakes
+    from budget.recordings.run_soundness import unseen_mistakes
     from budget.report.calibrated import unseen_section
     from budget.report.figures.timeline import schedule_sections
     from budget.report.inputs import blunders_sections

@@ -20,7 +20,7 @@ import numpy as np
 
 from budget.errors import CallError
 from budget.model.norm import shown_of_errors
-from budget.model.response import BIAS, COLUMN, ROW, SIGN, CalibratedTriad, tilt_matrix
+from budget.model.response import BIAS, COLUMN, ROW, SIGN, CalibratedTriad
 from budget.model.rotation import (
     RotationLeg,
     mean_rotation,
@@ -250,12 +250,6 @@ class MeasuredTurns:
         """Of the dwells [s]."""
         return np.array([one.length for one in self.dwells])
 
-    def _shown(self, found: CalibratedTriad, readings: Array) -> Array:
-        """Return the rates that a gyro of such parameters read, (3, n)."""
-        M = np.eye(3) + tilt_matrix(found.mounting_angle)
-        K, b = found.scale_factor[:, None], found.bias[:, None]
-        return np.asarray(np.linalg.solve(M, readings / K - b))
-
     def _trace(self, found: CalibratedTriad) -> Iterator[_TracedStep]:
         """Yield dwells and what is between them, each with how it stands before it."""
         by_first = {one.first: one for one in self.turns}
@@ -266,7 +260,7 @@ class MeasuredTurns:
             turn = by_first.get(k)
             if turn is not None:
                 start = turn.start
-                own = self._shown(found, turn.rates).T
+                own = found.shown(turn.rates).T
                 for first, end, product in _steps(own, turn.lengths, C, self.earth):
                     length = float(turn.lengths[first:end].sum())
                     yield _TracedStep(
@@ -290,7 +284,7 @@ class MeasuredTurns:
         """Return the same of parts."""
         legs = [self.down[one.leg.last] - one.attitude @ UP for one in parts if one.leg]
         standing = np.array([one.attitude for one in parts if one.is_dwell])
-        off = self._shown(found, self.still).T - standing @ self.earth
+        off = found.shown(self.still).T - standing @ self.earth
         return np.concatenate([*legs, *(off * self.lengths[:, None])])
 
     def follow(self, found: CalibratedTriad) -> FollowedTurns:
@@ -322,10 +316,9 @@ class MeasuredTurns:
         attitudes = np.array([one.attitude for one in steps])
         rates = vectors / lengths[:, None]
         rates += mean_rotation(-vectors) @ attitudes @ self.earth
-        rates[is_dwell] = self._shown(found, self.still).T
+        rates[is_dwell] = found.shown(self.still).T
         by_rate, by_direction = sensitivities(lengths, vectors, self.down, tuple(legs))
-        M = np.eye(3) + tilt_matrix(found.mounting_angle)
-        value = np.column_stack([M, found.bias])
+        value = np.column_stack([found.response, found.bias])
         slope = np.einsum("rwi,wip->rp", by_rate, shown_of_errors(rates, value))
         return FollowedTurns(
             windows=tuple(windows),

@@ -122,14 +122,7 @@ class NormScheme(Scheme):
         -------
         Errors
         """
-        value = self.held.value
-        found = np.concatenate(
-            [
-                truth.from_design,
-                (SIGN * value[ROW, COLUMN])[:, None] - truth.angle,
-                value[:, BIAS, None] - truth.bias,
-            ]
-        )
+        found = self.held.errors_of(truth)
         places = self.held.estimated
         own = epsilon[:, : self.own_statistics]
         noise = own.reshape(3, len(places), STATISTICS, -1)
@@ -140,7 +133,7 @@ class NormScheme(Scheme):
             found[places] = found[places] - self._misfit(found, M, truth.bias, noise)
         else:
             self._settle(found, M, truth.bias, noise)
-        return Errors(scale_factor=found[:3], mounting_angle=found[3:9], bias=found[9:])
+        return Errors.of(found)
 
     def _settle(self, found: Array, M: Array, b: Array, noise: Array) -> None:
         """Bring errors of all parameters, (12, trials), from first order to the end."""
@@ -189,31 +182,23 @@ class NormScheme(Scheme):
         from scipy.optimize import least_squares
 
         g = float(np.linalg.norm(self.gravity))
-        places, value = self.held.estimated, self.held.value
-        nominal = np.concatenate(
-            [np.ones(3), SIGN * value[ROW, COLUMN], value[:, BIAS]]
-        )
+        places = self.held.estimated
         size = np.concatenate([np.ones(9), np.full(3, g)])
 
-        def whole(part: Array) -> Array:
-            parameters = nominal.copy()
+        def whole(part: Array) -> CalibratedTriad:
+            parameters = self.held.nominal
             parameters[places] += part * size[places]
-            return parameters
-
-        def shown(p: Array) -> Array:
-            M = np.eye(3) + tilt_matrix(p[3:9])
-            own = readings / p[:3, None] - p[9:, None]
-            return np.asarray(np.linalg.solve(M, own) / g)
+            return CalibratedTriad.of(parameters)
 
         def residual(part: Array) -> Array:
-            return np.asarray((shown(whole(part)) ** 2).sum(axis=0) - 1.0)
+            shown = whole(part).shown(readings) / g
+            return np.asarray((shown**2).sum(axis=0) - 1.0)
 
         def slope(part: Array) -> Array:
-            p = whole(part)
-            M = np.eye(3) + tilt_matrix(p[3:9])
-            s = shown(p).T
-            ds = shown_of_errors(s, np.column_stack([M, p[9:] / g]))
-            ds[..., :3] /= p[:3]
+            now = whole(part)
+            s = now.shown(readings).T / g
+            ds = shown_of_errors(s, np.column_stack([now.response, now.bias / g]))
+            ds[..., :3] /= now.scale_factor
             return np.asarray(2.0 * np.einsum("wi,wip->wp", s, ds)[:, places])
 
         solved = least_squares(
@@ -225,8 +210,7 @@ class NormScheme(Scheme):
             ftol=1e-15,
             gtol=1e-15,
         )
-        p = whole(solved.x)
-        return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
+        return whole(solved.x)
 
     def beside(self, directions: Array) -> NormScheme:
         """Return it with more statistics, (3, 12, n), that a gyro needs of it."""

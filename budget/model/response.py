@@ -8,7 +8,7 @@ finds it with an error epsilon, and scale factors, angles and biases follow.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -91,6 +91,11 @@ def tilt_matrix(angle: Array) -> Array:
     return statistics_of(nothing, (SIGN * angle.T).T, nothing)[:, :BIAS]
 
 
+def response(angle: Array) -> Array:
+    """Return M = I + dT of six angles, shape (3, 3)."""
+    return np.asarray(np.eye(3) + tilt_matrix(angle))
+
+
 def diagonal(values: Array) -> Array:
     """Return matrices (..., 3, 3) with these values (..., 3) in their diagonals."""
     return np.asarray(values[..., None] * np.eye(values.shape[-1]))
@@ -132,20 +137,50 @@ def tilt_transposed(angle: Array, u: Array) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Errors:
-    """Errors of what is read off, against the values during the test."""
+class TriadValues:
+    """A value of each parameter of a triad, or one a trial, in the last axis.
 
-    scale_factor: Array  # relative, shape (3, trials) [1]
-    mounting_angle: Array  # shape (6, trials) [rad]
-    bias: Array  # shape (3, trials) [unit of the input]
-    higher: Array | None = None  # K_p found, order by order, shape (3 m, trials) [SI]
+    Attributes
+    ----------
+    scale_factor : ndarray, shape (3, ...)
+    mounting_angle : ndarray, shape (6, ...)
+        In the order of ANGLES [rad].
+    bias : ndarray, shape (3, ...)
+        [unit of the input].
+    higher : ndarray, shape (3 m, ...), or None
+        K_p, order by order [SI].
+    """
+
+    scale_factor: Array
+    mounting_angle: Array
+    bias: Array
+    higher: Array | None = None
+
+    @classmethod
+    def of(cls, p: Array) -> Self:
+        """Return scale factors, angles and biases that stand in one, (12, ...)."""
+        return cls(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
+
+    @property
+    def vector(self) -> Array:
+        """All of them in one."""
+        own = (self.scale_factor, self.mounting_angle, self.bias, self.higher)
+        return np.concatenate([one for one in own if one is not None])
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CalibratedTriad:
-    """What a calibration of one triad returns."""
+class Errors(TriadValues):
+    """Errors of what is read off, against the values during the test; of K relative."""
 
-    scale_factor: Array  # K, shape (3,) [pulses per SI unit of the input]
-    mounting_angle: Array  # in the order of ANGLES, shape (6,) [rad]
-    bias: Array  # shape (3,) [unit of the input]
-    higher: Array | None = None  # K_p, order by order, shape (3 m,) [SI]
+
+class CalibratedTriad(TriadValues):
+    """What a calibration of one triad returns; K in pulses per SI unit of the input."""
+
+    @property
+    def response(self) -> Array:
+        """M = I + dT, shape (3, 3) [1]."""
+        return response(self.mounting_angle)
+
+    def shown(self, readings: Array) -> Array:
+        """Return the inputs that readings show, M^-1 (y/K - b), (3, n)."""
+        inner = readings / self.scale_factor[:, None] - self.bias[:, None]
+        return np.asarray(np.linalg.solve(self.response, inner))

@@ -28,14 +28,9 @@ import numpy as np
 from budget.errors import CallError
 from budget.model.norm import shown_of_errors
 from budget.model.response import (
-    BIAS,
-    COLUMN,
     CYCLES,
-    ROW,
-    SIGN,
     CalibratedTriad,
     Errors,
-    tilt_matrix,
 )
 from budget.model.scheme import UNBIASED, Held, Scheme
 from budget.names import AXES
@@ -148,20 +143,10 @@ class RotationScheme(Scheme):
         directions : ndarray, shape (3, 12, trials)
             Errors of the statistics of each of their axes.
         """
-        value = self.held.value
-        off = np.concatenate(
-            [
-                truth.from_design,
-                (SIGN * value[ROW, COLUMN])[:, None] - truth.angle,
-                value[:, BIAS, None] - truth.bias,
-            ]
-        )
-        theirs = np.concatenate(
-            [beside.scale_factor, beside.mounting_angle, beside.bias]
-        )
+        off = self.held.errors_of(truth)
         found = epsilon.sum(axis=0) + directions.sum(axis=0)
-        found = found + _times(self.from_beside, theirs) + _times(self.from_held, off)
-        return Errors(scale_factor=found[:3], mounting_angle=found[3:9], bias=found[9:])
+        found = found + _times(self.from_beside, beside.vector)
+        return Errors.of(found + _times(self.from_held, off))
 
     def estimate_beside(self, readings: Array, directions: Array) -> CalibratedTriad:
         """Calibrate as Scheme does: solve W F = 0, from the nominal values.
@@ -173,19 +158,17 @@ class RotationScheme(Scheme):
         directions : ndarray, shape (3, n_a)
             What the calibrated accelerometers show [m/s^2].
         """
-        value = self.held.value
-        p = np.concatenate([np.ones(3), SIGN * value[ROW, COLUMN], value[:, BIAS]])
+        p = self.held.nominal
         size = np.concatenate([np.ones(9), np.full(3, np.abs(self.turn).max())])
         down = (directions / np.linalg.norm(directions, axis=0)).T
         for _ in range(MOST_STEPS):
-            M = np.eye(3) + tilt_matrix(p[3:9])
-            rates = np.linalg.solve(M, readings / p[:3, None] - p[9:, None]).T
+            rates = CalibratedTriad.of(p).shown(readings).T
             turned = (rates - self.standing) * self.schedule.lengths[:, None]
             step = self.inverse @ self._misfit(turned, down)
             p -= step
             if (np.abs(step) <= DONE * size).all():
                 break
-        return CalibratedTriad(scale_factor=p[:3], mounting_angle=p[3:9], bias=p[9:])
+        return CalibratedTriad.of(p)
 
     def _misfit(self, turned: Array, down: Array) -> Array:
         """Return F, of angles turned (n, 3) and directions (n_a, 3) [rad]."""

@@ -399,6 +399,18 @@ class Held:
         own = self.which[[0, 1, 2], [0, 1, 2]]
         return np.concatenate([own, self.which[ROW, COLUMN], self.which[:, BIAS]])
 
+    @property
+    def nominal(self) -> Array:
+        """Nominal parameters, (12,): K 1, angles, biases."""
+        value = self.value
+        return np.concatenate([np.ones(3), SIGN * value[ROW, COLUMN], value[:, BIAS]])
+
+    def errors_of(self, truth: Truth) -> Array:
+        """Return the errors of what is taken as nominal, (12, trials)."""
+        _, angle, bias = np.split(self.nominal[:, None], (3, 9))
+        parts = [truth.from_design, angle - truth.angle, bias - truth.bias]
+        return np.concatenate(parts)
+
     def join(self, columns: Array) -> Array:
         """Add columns of held parameters to that of the own axis, which is (3, m, 4).
 

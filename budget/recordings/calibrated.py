@@ -10,12 +10,17 @@ from budget.documents import Documented, written
 from budget.names import AXES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from budget.arrays import Array
     from budget.calibration.mistakes import Mistake
     from budget.inputs.records import ErrorLine
     from budget.names import Name
     from budget.recordings.records import RecordedConditions
     from budget.results import InputFile
+
+
+Key = tuple[str, str, str]  # sensor, parameter, axis
 
 
 @written(
@@ -100,17 +105,64 @@ class CalibratedOutput(Documented):
     procedure
     is_sound or null: whether its run was
     """,
+    said="An earlier calibration, whose correction a unit came with.",
 )
-@dataclass(frozen=True, kw_only=True)
-class CorrectionInForce(Documented):
-    """An earlier calibration, whose correction a unit came with."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CalibrationResult(Documented):
+    """What a document of `budget calibrate` says of its values.
+
+    Attributes
+    ----------
+    name : str
+        Of its file.
+    sha256 : str
+    title, serial, date, procedure : str
+    is_sound : bool or None
+    keys : tuple of (str, str, str)
+        Sensor, parameter and axis of each value.
+    units : tuple of str
+    values, expanded, degrees_of_freedom : ndarray, shape (n,)
+        In these units; nan where u is not known.
+    covariance : ndarray, shape (n, n)
+        Likewise.
+    is_bound : bool
+        Whether uncertainties are lower bounds.
+    recordings : frozenset of str
+        SHA-256 of the recordings of the run; empty where none is named.
+    has_device : bool
+        Whether uncertainties are of a data sheet, not of the scatter.
+    has_station : bool
+        Whether what is not known of table and place is among them.
+    files : mapping of str to str
+        SHA-256 of the files it was made with, by role; '' where it does not say.
+    changes : tuple of dict
+        What was laid over the device file.
+    """
 
     name: str
+    sha256: str
     title: str
     serial: str
     date: str
     procedure: str
     is_sound: bool | None
+    keys: tuple[Key, ...]
+    units: tuple[str, ...]
+    values: Array
+    expanded: Array
+    degrees_of_freedom: Array
+    covariance: Array
+    is_bound: bool = False
+    recordings: frozenset[str] = frozenset()
+    has_device: bool = False
+    has_station: bool = False
+    files: Mapping[str, str] = field(default_factory=dict)
+    changes: tuple[Mapping[str, Any], ...] = ()
+
+    @property
+    def file(self) -> tuple[str, str]:
+        """Its file: name and SHA-256."""
+        return self.name, self.sha256
 
 
 @written(
@@ -375,7 +427,7 @@ class RecordedCalibration(Documented):
     procedure: str
     estimator: str
     station: tuple[ErrorLine, ...] = field(repr=False)
-    as_found: CorrectionInForce | None
+    as_found: CalibrationResult | None
     coverage: float
     inputs: tuple[InputFile, ...]
     outputs: tuple[CalibratedOutput, ...]

@@ -36,7 +36,7 @@ from budget.recordings.records import (
     RecordHealth,
     SpectrumRow,
 )
-from budget.results import InputFile
+from budget.results import numbered_files
 from budget.sentences import sentence
 from budget.settings import Engine, Inputs, RecordingSettings, asking
 from budget.units import size_of
@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from budget.inputs.records import Recording
     from budget.recordings.log import Log
     from budget.recordings.noise import FittedNoise, FittedValue
+    from budget.results import InputFile
 
 TIME_LINE, NOMINAL = "bias_stability.correlation_time", "nominal.bias"
 REPEATABILITY, CHANGE = "R", "C"
@@ -293,7 +294,7 @@ def _put_together(
     return Characterisation(
         title=", ".join(one.name for one in recordings),
         environment=tuple(map(RecordedConditions.of, recordings)),
-        inputs=tuple(_files(recordings, runs)),
+        inputs=_files(recordings, runs),
         lines=tuple(lines),
         models=tuple(_models(name, one) for name, one in found.items()),
         allan=tuple(
@@ -313,8 +314,8 @@ def _put_together(
 
 def _files(
     recordings: Sequence[Recording], runs: Sequence[tuple[Log, ...]]
-) -> Iterator[InputFile]:
-    """Yield the files that were read; several are numbered."""
+) -> tuple[InputFile, ...]:
+    """Return the files that were read; several are numbered."""
     every = [
         pair
         for one, own in zip(recordings, runs, strict=True)
@@ -323,10 +324,7 @@ def _files(
             *(pair for log in own for pair in log.sha256),
         )
     ]
-    every = [*dict.fromkeys(every)]
-    for number, (name, digest) in enumerate(every, start=1):
-        role = f"recording {number}" if len(every) > 1 else "recording"
-        yield InputFile(role=role, name=name, sha256=digest)
+    return numbered_files("recording", [*dict.fromkeys(every)])
 
 
 def _has_counts(runs: Sequence[tuple[Log, ...]], name: str) -> bool:

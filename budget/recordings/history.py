@@ -30,15 +30,16 @@ from budget.model.source import Nonlinearity, Offset
 from budget.model.sources import source_of
 from budget.model.sources.later import AGEING, growth
 from budget.names import PARAMETERS, Name
-from budget.recordings.calibrate import AS_TESTED
 from budget.recordings.results import (
     LEVEL,
     common_keys,
     counted_once,
+    in_one_unit,
     read_results,
     said_of,
 )
-from budget.results import InputFile, input_files
+from budget.recordings.run_values import AS_TESTED
+from budget.results import input_files, numbered_files
 from budget.sentences import sentence
 from budget.settings import Asked, Inputs, asking
 from budget.units import size_of
@@ -50,7 +51,8 @@ if TYPE_CHECKING:
     from budget.inputs.files import File
     from budget.inputs.records import Device, Requirement
     from budget.model.source import Given
-    from budget.recordings.results import CalibrationResult, Key
+    from budget.recordings.calibrated import CalibrationResult, Key
+    from budget.results import InputFile
 
 YEAR = 365.25  # [days]
 LEAST = 2  # calibrations of which there is a drift
@@ -255,10 +257,7 @@ def history(
         title=sound[-1].title,
         serial=sound[-1].serial,
         inputs=(
-            *(
-                InputFile(role=f"result {k}", name=one.name, sha256=one.sha256)
-                for k, one in enumerate(found, start=1)
-            ),
+            *numbered_files("result", [one.file for one in found]),
             *input_files(() if unit is None else (unit,), requirement=wanted),
         ),
         parameters=tuple(rows),
@@ -353,19 +352,10 @@ def _row(
         It is in several units.
     """
     sensor, parameter, axis = key
-    places = [one.keys.index(key) for one in results]
-    units = {one.units[k] for one, k in zip(results, places, strict=True)}
-    if len(units) > 1:
-        raise CallError(
-            f"{sensor} {parameter} {axis} is in {' and in '.join(sorted(units))}; "
-            "calibrate all runs with, or without, a gain"
-        )
-    own = units.pop()
+    own, values, variances = in_one_unit(key, results, "runs")
+    own_u = np.sqrt(variances)
     days = [_day(one) for one in results]
     times = np.array([(day - days[0]).days / YEAR for day in days])
-    values = np.array([one.values[k] for one, k in zip(results, places, strict=True)])
-    pairs = list(zip(results, places, strict=True))
-    own_u = np.array([sqrt(one.covariance[k, k]) for one, k in pairs])
     last = values[-1]
     size: float | None = None  # of a relative one, in counts
     if "counts" not in own:
@@ -376,8 +366,8 @@ def _row(
     R = None if line is None or size is None else _of_axis(line, key) / size
     u = np.hypot(own_u, R or 0.0)
     factors = [
-        one.expanded[k] / at if at > 0.0 else 0.0
-        for (one, k), at in zip(pairs, own_u, strict=True)
+        one.expanded[one.keys.index(key)] / at if at > 0.0 else 0.0
+        for one, at in zip(results, own_u, strict=True)
     ]
     fitted = drift_of(times, values, u)
     slope, reach = fitted.slope, fitted.reach
@@ -388,8 +378,8 @@ def _row(
     least = 0.0 if ends is None or is_0 else min(map(abs, ends))
     allowed = left = None
     if limit is not None and size is not None and "counts" not in own and ends:
-        (one, k) = pairs[-1]
-        nu = float(one.degrees_of_freedom[k])
+        newest = results[-1]
+        nu = float(newest.degrees_of_freedom[newest.keys.index(key)])
         U = limit.expanded(float(own_u[-1]), nu, R, line)
         if U is not None:
             allowed = limit.size / size

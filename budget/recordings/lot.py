@@ -18,16 +18,23 @@ from budget.calibration.mistakes import prior_of
 from budget.documents import Documented, written
 from budget.errors import CallError
 from budget.model.source import GYRO
-from budget.names import PARAMETERS, Name, parameters_of
-from budget.recordings.results import LEVEL, common_keys, counted_once, said_of
-from budget.results import InputFile, input_files
+from budget.names import PARAMETERS, parameters_of
+from budget.recordings.results import (
+    LEVEL,
+    common_keys,
+    counted_once,
+    in_one_unit,
+    said_of,
+)
+from budget.results import input_files, numbered_files
 from budget.units import STANDARD_GRAVITY, size_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from budget.inputs.records import Device
-    from budget.recordings.results import CalibrationResult, Key
+    from budget.recordings.calibrated import CalibrationResult, Key
+    from budget.results import InputFile
 
 WORSE, WITHIN = "worse", "within"
 NOT_PRINTED, NOT_TOLD = "not_printed", "not_told"
@@ -137,22 +144,17 @@ def lot_of(device: Device, results: Sequence[CalibrationResult]) -> CalibratedLo
         units=tuple(units),
         inputs=(
             *input_files((device,)),
-            *(
-                InputFile(role=f"result {k}", name=one.name, sha256=one.sha256)
-                for k, one in enumerate(kept, start=1)
-            ),
+            *numbered_files("result", [one.file for one in kept]),
         ),
         level=level,
-        parameters=tuple(_judged(one, level) for one in rows),
+        parameters=tuple(
+            one
+            if one.p is None
+            else replace(one, standing=WORSE if one.p < level else WITHIN)
+            for one in rows
+        ),
         warnings=(*said_of(kept), *twice, *left_out),
     )
-
-
-def _judged(one: LotSpread, level: float) -> LotSpread:
-    """Say whether a parameter spreads more than printed."""
-    if one.p is None:
-        return one
-    return replace(one, standing=WORSE if one.p < level else WITHIN)
 
 
 def _printed(device: Device) -> dict[Key, float | None]:
@@ -164,13 +166,9 @@ def _printed(device: Device) -> dict[Key, float | None]:
         for name, u, is_known in zip(
             parameters_of(sensor.kind), prior.u, prior.is_known, strict=True
         ):
-            found[_key(name)] = float(u) if is_known else None
+            key = (name.owner, name.quantity, name.axis)
+            found[key] = float(u) if is_known else None
     return found
-
-
-def _key(name: Name) -> Key:
-    """Return a parameter as results have it."""
-    return name.owner, name.quantity, name.axis
 
 
 def _spread(
@@ -186,18 +184,9 @@ def _spread(
     from scipy.special import chdtrc, chdtri
 
     sensor, parameter, axis = key
-    pairs = [(one, one.keys.index(key)) for one in results]
-    named = {one.units[k] for one, k in pairs}
-    if len(named) > 1:
-        raise CallError(
-            f"{sensor} {parameter} {axis} is in {' and in '.join(sorted(named))}; "
-            "calibrate all units with, or without, a gain"
-        )
-    unit = named.pop()
-    values = np.array([one.values[k] for one, k in pairs])
-    own = float(np.mean([one.covariance[k, k] for one, k in pairs]))
-    is_told = bool(np.isfinite(own))
-    own = own if is_told else 0.0
+    unit, values, variances = in_one_unit(key, results, "units")
+    is_told = bool(np.isfinite(variances).all())
+    own = float(np.mean(variances)) if is_told else 0.0
     n = len(values)
     square = float(values.var(ddof=1))
     # Quantiles of (n - 1) s^2/u^2; what values are not known to is no spread.
@@ -205,8 +194,7 @@ def _spread(
         sqrt(max((n - 1) * square / float(chdtri(n - 1, q)) - own, 0.0))
         for q in (0.025, 0.975)
     ]
-    told = None
-    p = None
+    told = p = None
     if printed is not None and "counts" not in unit:
         told = printed / size_of(unit)
         if is_told:

@@ -24,6 +24,7 @@ from budget.model.source import SENSORS
 from budget.names import Name
 from budget.recordings.columns import COUNTS
 from budget.recordings.results import read_results
+from budget.recordings.run_values import AS_TESTED
 from budget.sentences import sentence
 from budget.units import size_of
 
@@ -34,9 +35,7 @@ if TYPE_CHECKING:
     from budget.inputs.changes import Changes
     from budget.inputs.files import File
     from budget.inputs.records import Device, Procedure, Sensor
-    from budget.recordings.results import CalibrationResult
-
-AS_TESTED = "as_tested"
+    from budget.recordings.calibrated import CalibrationResult
 
 
 def measured_units(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import product
 from math import erfc, hypot, inf, sqrt
@@ -46,7 +46,7 @@ from budget.names import (
     PARAMETERS,
     Name,
 )
-from budget.recordings.calibrated import MistakeRow
+from budget.recordings.calibrated import CalibrationResult, MistakeRow
 from budget.recordings.columns import COUNTS, LIKE
 from budget.results import InputFile
 from budget.sentences import sentence
@@ -61,6 +61,7 @@ if TYPE_CHECKING:
     from budget.inputs.records import Procedure
     from budget.model.place import Place
     from budget.model.scheme import Scheme
+    from budget.recordings.calibrated import Key
 
 MOVED, WITHIN, NOT_TOLD = "moved", "within", "not told"
 LEVEL = 0.05  # probability that one of all is found to have moved, and none has
@@ -80,61 +81,7 @@ UNITS = (
     | dict.fromkeys(("mounting_angle", *DERIVED, *BETWEEN), "arcsec")
     | dict.fromkeys(ORDERS, "ug/g^2")
 )
-Key = tuple[str, str, str]
 _IS_RESULT = re.compile(rb'"command"\s*:\s*"calibrate"')
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class CalibrationResult:
-    """What a document of `budget calibrate` says of its values.
-
-    Attributes
-    ----------
-    name : str
-        Of its file.
-    sha256 : str
-    title, serial, date, procedure : str
-    is_sound : bool or None
-    keys : tuple of (str, str, str)
-        Sensor, parameter and axis of each value.
-    units : tuple of str
-    values, expanded, degrees_of_freedom : ndarray, shape (n,)
-        In these units; nan where u is not known.
-    covariance : ndarray, shape (n, n)
-        Likewise.
-    is_bound : bool
-        Whether uncertainties are lower bounds.
-    recordings : frozenset of str
-        SHA-256 of the recordings of the run; empty where none is named.
-    has_device : bool
-        Whether uncertainties are of a data sheet, not of the scatter.
-    has_station : bool
-        Whether what is not known of table and place is among them.
-    files : mapping of str to str
-        SHA-256 of the files it was made with, by role; '' where it does not say.
-    changes : tuple of dict
-        What was laid over the device file.
-    """
-
-    name: str
-    sha256: str
-    title: str
-    serial: str
-    date: str
-    procedure: str
-    is_sound: bool | None
-    keys: tuple[Key, ...]
-    units: tuple[str, ...]
-    values: Array
-    expanded: Array
-    degrees_of_freedom: Array
-    covariance: Array
-    is_bound: bool = False
-    recordings: frozenset[str] = frozenset()
-    has_device: bool = False
-    has_station: bool = False
-    files: Mapping[str, str] = field(default_factory=dict)
-    changes: tuple[Mapping[str, Any], ...] = ()
 
 
 def is_result(name: File) -> bool:
@@ -496,6 +443,27 @@ def common_keys(
             )
         )
     return common, said
+
+
+def in_one_unit(
+    key: Key, results: Sequence[CalibrationResult], what: str
+) -> tuple[str, Array, Array]:
+    """Return the unit of a parameter of all results, its values and their variances.
+
+    Raises
+    ------
+    CallError
+        Its units differ.
+    """
+    places = [(one, one.keys.index(key)) for one in results]
+    units = {one.units[k] for one, k in places}
+    if len(units) > 1:
+        raise CallError(
+            f"{' '.join(key)} is in {' and in '.join(sorted(units))}; calibrate all "
+            f"{what} with, or without, a gain"
+        )
+    values = np.array([one.values[k] for one, k in places])
+    return units.pop(), values, np.array([one.covariance[k, k] for one, k in places])
 
 
 def said_of(results: Sequence[CalibrationResult]) -> Iterator[str]:

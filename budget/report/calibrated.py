@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 
     from budget.arrays import Array
     from budget.inputs.records import ErrorLine
-    from budget.recordings.calibrate import UnseenMistakes
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
     )
     from budget.recordings.lot import CalibratedLot
     from budget.recordings.results import CalibrationChange, ChangedParameter
+    from budget.recordings.run_soundness import UnseenMistakes
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget calibrate"

@@ -58,6 +58,7 @@ from budget.results.study import (
     input_file,
     input_files,
     named_files,
+    numbered_files,
     results_of,
 )
 from budget.results.verdicts import (
@@ -128,6 +129,7 @@ __all__ = [
     "input_file",
     "input_files",
     "named_files",
+    "numbered_files",
     "results_of",
     "u_known",
     "widest_of_each",

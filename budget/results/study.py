@@ -100,16 +100,21 @@ def input_files(
     )
 
 
+def numbered_files(
+    role: str, files: Sequence[tuple[str, str]]
+) -> tuple[InputFile, ...]:
+    """Return files of one role by name and SHA-256; several are numbered."""
+    number = " {}" if len(files) > 1 else ""
+    return tuple(
+        InputFile(role=f"{role}{number.format(place)}", name=name, sha256=digest)
+        for place, (name, digest) in enumerate(files, start=1)
+    )
+
+
 def results_of(devices: Sequence[Device]) -> tuple[InputFile, ...]:
     """Return the results of recorded calibrations that stand for predictions."""
     every = [one.measured for one in devices if one.measured is not None]
-    number = " {}" if len(every) > 1 else ""
-    return tuple(
-        InputFile(
-            role=f"measured{number.format(place)}", name=one.file, sha256=one.sha256
-        )
-        for place, one in enumerate(every, start=1)
-    )
+    return numbered_files("measured", [(one.file, one.sha256) for one in every])
 
 
 def named_files(

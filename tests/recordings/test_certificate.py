@@ -18,8 +18,9 @@ from budget.errors import CallError, SpecError
 from budget.inputs import load_device, load_procedure, load_recording
 from budget.model.response import COLUMN, ROW
 from budget.names import ANGLES, AXES
-from budget.recordings.calibrate import calibrate, unseen_mistakes
+from budget.recordings.calibrate import calibrate
 from budget.recordings.columns import LIKE
+from budget.recordings.run_soundness import unseen_mistakes
 from budget.recordings.simulated_run import simulated_run
 from budget.report.correction import correction_code
 
