@@ -802,6 +802,7 @@ def _run(triad: _Triad, triads: Sequence[_Triad], procedure: Procedure) -> AnyRu
             norm=cast("NormScheme", beside.scheme),
             held=triad.scheme.held,
             turns=triad.turns,
+            found=triad.found,
         )
     if isinstance(triad.scheme, NormScheme):
         return NormRun.of(
