@@ -22,6 +22,7 @@ from keeping import Variates, once
 
 from budget import question
 from budget.methods import execution
+from budget.report.figures import rows, style, tabled
 from budget.settings import Engine
 from budget.studies import analysis
 from budget.studies.allocation import allocate
@@ -114,6 +115,20 @@ def drawn_once():
         yield
 
 
+@pytest.fixture(scope="module")
+def not_drawn():
+    """Leave every figure blank, for modules that ask what stands beside them."""
+
+    def blank(_, *, name):
+        return f'<svg id="{name}" viewBox="0 0 9 9"/>'
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tabled.Plot, "figure", None)
+        patch.setattr(rows, "draw", lambda _: None)
+        patch.setattr(style, "to_svg", blank)
+        yield
+
+
 @pytest.fixture(scope="session", autouse=True)
 def searched_once():
     """Search for a longer test once for each sensor, procedure and limits.
@@ -157,11 +172,12 @@ def analyzed_once():
 VARIATES = Variates()
 
 
-@pytest.fixture(scope="module")
-def variates_once():
-    """Draw the same variates of a source once, for modules of what trials judge."""
+@pytest.fixture(scope="module", autouse=True)
+def variates_once(request):
+    """Draw the same variates of a source once, but where the drawing is asked."""
+    kept = {} if request.path.parent.name == "methods" else VARIATES.patches()
     with pytest.MonkeyPatch.context() as patch:
-        for name, function in VARIATES.patches().items():
+        for name, function in kept.items():
             patch.setattr(execution, name, function)
         yield
 

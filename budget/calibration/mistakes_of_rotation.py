@@ -87,6 +87,8 @@ class RotationRun:
     held : Held
         Of the gyro.
     turns : MeasuredTurns
+    found : CalibratedTriad, optional
+        What these give.
     """
 
     sensor: Sensor
@@ -95,6 +97,7 @@ class RotationRun:
     norm: NormScheme
     held: Held
     turns: MeasuredTurns = field(repr=False)
+    found: CalibratedTriad | None = None
 
     @property
     def place(self) -> Place:
@@ -104,7 +107,12 @@ class RotationRun:
     @cached_property
     def _solved(self) -> _Solved:
         """What is left with the values that are found."""
-        return self._solve(Mistake(name=""))
+        return self._put_together(self.turns, self._found, np.eye(3))
+
+    @cached_property
+    def _found(self) -> CalibratedTriad:
+        """The values that are found."""
+        return self.found or self.turns.solve(self.held)[0]
 
     def _turns(self, mistake: Mistake) -> MeasuredTurns:
         """Return the turns with a mistake undone."""
@@ -253,8 +261,7 @@ class RotationRun:
     @cached_property
     def _nominal(self) -> tuple[MeasuredTurns, Array, Array]:
         """What a nominal unit reads of these turns, the root of V, and its F."""
-        found, _ = self.turns.solve(self.held)
-        windows = self.turns.follow(found).windows
+        windows = self.turns.follow(self._found).windows
         schedule, value = Schedule(windows=windows), self.held.value
         inputs = schedule.rates + schedule.to_body @ self.turns.earth
         rates = value[:, :3] @ inputs.T + value[:, 3:]
@@ -309,9 +316,8 @@ class RotationRun:
             if is_found:
                 tried.append((float(np.linalg.norm(turns.misfit(found))), one))
         tried.sort(key=lambda each: each[0])
-        sound, _ = self.fit(Mistake(name=""))
         found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
-        return likeliest(sound, found_)
+        return likeliest(self.prior.value, found_)
 
 
 def _across(turns: MeasuredTurns) -> Array:

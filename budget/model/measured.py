@@ -202,8 +202,10 @@ class FollowedTurns:
 
     Attributes
     ----------
-    windows : tuple of Window
-        Dwells and steps in the order of time, at measured attitudes.
+    dwells : tuple of Window
+        At nominal attitudes.
+    steps : tuple of _TracedStep
+        Dwells and steps in the order of time.
     legs : tuple of RotationLeg
         By places among these.
     misfit : ndarray, shape (rows,)
@@ -214,12 +216,28 @@ class FollowedTurns:
         J, of F by errors of parameters.
     """
 
-    windows: tuple[Window, ...]
+    dwells: tuple[Window, ...]
+    steps: tuple[_TracedStep, ...]
     legs: tuple[RotationLeg, ...]
     misfit: Array
     by_rate: Array
     by_direction: Array
     slope: Array
+
+    @property
+    def windows(self) -> tuple[Window, ...]:
+        """Dwells and steps in the order of time, at measured attitudes."""
+        found: list[Window] = []
+        dwells, number = iter(self.dwells), 0
+        for one in self.steps:
+            if one.is_dwell:
+                dwell, number = next(dwells), 0
+                setting = _standing(one.attitude)
+                found.append(replace(dwell, setting=setting, use="both"))
+            else:
+                number += 1
+                found.append(one.window(f"{dwell.name} on, {number}"))
+        return tuple(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -290,29 +308,23 @@ class MeasuredTurns:
     def follow(self, found: CalibratedTriad) -> FollowedTurns:
         """Follow the turns by the parameters of the gyro, (12,)."""
         parts = tuple(self._trace(found))
-        steps = [one for one in parts if not one.leg]
-        windows: list[Window] = []
+        steps: list[_TracedStep] = []
         legs: list[RotationLeg] = []
-        places: list[int] = []
-        dwells = iter(self.dwells)
+        first = 0  # step of the turn
         for one in parts:
             if one.leg:
+                own = tuple(range(first, len(steps)))
                 legs.append(
-                    RotationLeg(
-                        first=one.leg.first, last=one.leg.last, steps=tuple(places)
-                    )
+                    RotationLeg(first=one.leg.first, last=one.leg.last, steps=own)
                 )
-            elif one.is_dwell:
-                dwell = next(dwells)
-                setting = _standing(one.attitude)
-                windows.append(replace(dwell, setting=setting, use="both"))
-                places = []
-            else:
-                places.append(len(windows))
-                windows.append(one.window(f"{dwell.name} on, {len(places)}"))
+                continue
+            steps.append(one)
+            if one.is_dwell:
+                first = len(steps)
         is_dwell = np.array([one.is_dwell for one in steps])
         vectors = np.array([one.vector for one in steps])
-        lengths = np.array([one.length for one in windows])
+        lengths = np.array([one.length for one in steps])
+        lengths[is_dwell] = self.lengths
         attitudes = np.array([one.attitude for one in steps])
         rates = vectors / lengths[:, None]
         rates += mean_rotation(-vectors) @ attitudes @ self.earth
@@ -321,7 +333,8 @@ class MeasuredTurns:
         value = np.column_stack([found.response, found.bias])
         slope = np.einsum("rwi,wip->rp", by_rate, shown_of_errors(rates, value))
         return FollowedTurns(
-            windows=tuple(windows),
+            dwells=self.dwells,
+            steps=tuple(steps),
             legs=tuple(legs),
             misfit=self._misfit(found, parts),
             by_rate=by_rate,

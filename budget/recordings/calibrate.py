@@ -57,7 +57,7 @@ from budget.sentences import sentence
 from budget.settings import Asked, Inputs, RecordingSettings, asking
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from budget.inputs.files import File
     from budget.inputs.records import Device, Procedure, Recording, Requirement

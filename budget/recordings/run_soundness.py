@@ -61,6 +61,7 @@ def run_of(triad: RunTriad, triads: Sequence[RunTriad], procedure: Procedure) ->
             norm=cast("NormScheme", beside.scheme),
             held=triad.scheme.held,
             turns=triad.turns,
+            found=triad.found,
         )
     if isinstance(triad.scheme, NormScheme):
         return NormRun.of(

@@ -254,7 +254,7 @@ def test_links_between_pages_lead_somewhere():
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("variates_once", "computed_once")
+@pytest.mark.usefixtures("computed_once")
 def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
     """Each command does what is shown of it; the report's own tests write the pages."""
     monkeypatch.chdir(tmp_path)
@@ -264,7 +264,6 @@ def test_the_tutorial_runs_to_the_letter(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("variates_once")
 @pytest.mark.parametrize("name", ["verdicts.md", "aided.md"])
 def test_worked_sheets_run_to_the_letter(name, tmp_path, monkeypatch):
     """Each file under its name, each command with what is shown of it."""

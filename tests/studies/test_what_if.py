@@ -25,8 +25,6 @@ from budget.studies.conformity import assess
 from budget.studies.what_if import one_at_a_time, what_if
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
-pytestmark = pytest.mark.usefixtures("variates_once")
-
 # The second-order law is even in every source and exact in the factors; what is left
 # is the rounding of two sums of some thousand products.
 RTOL = 1e-9

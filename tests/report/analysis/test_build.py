@@ -48,7 +48,7 @@ from budget.studies.evidence import gather_evidence
 
 TACTICAL = shipped("specs") / "requirements" / "tactical-grade.yaml"
 
-pytestmark = pytest.mark.usefixtures("drawn_once")
+pytestmark = pytest.mark.usefixtures("not_drawn")
 
 NO_GAPS: dict = {"question": SimpleNamespace(not_given=()), "could_widen": {}}
 

@@ -34,8 +34,6 @@ from budget.studies.comparison.compare import compare
 from budget.studies.conformity import assess
 from budget.units import ARCSEC, DEG_PER_HOUR, PPM
 
-pytestmark = pytest.mark.usefixtures("variates_once")
-
 AXES = ("x", "y", "z")
 
 

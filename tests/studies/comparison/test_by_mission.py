@@ -17,8 +17,6 @@ from budget.names import MISSION, Name
 from budget.studies.analysis import analyze
 from budget.studies.comparison.compare import compare
 
-pytestmark = pytest.mark.usefixtures("variates_once")
-
 BENCH = load_mission("bench")
 BOTH = ("gyro", "accelerometer")
 LAW = {"method": "gum", "mission": BENCH}
