@@ -230,6 +230,7 @@ class TriadRun:
         *,
         is_scaled: bool = True,
         orders: tuple[int, ...] = (),
+        rounding: Array | None = None,
     ) -> TriadRun:
         """Put together what a device and a procedure say of readings.
 
@@ -238,6 +239,8 @@ class TriadRun:
         is_scaled : bool
             Whether readings are over a nominal scale factor that is known; else
             nothing is known of the scale factors.
+        rounding : ndarray, shape (3,), optional
+            Variance that steps of readings add to each, by axis.
 
         Raises
         ------
@@ -260,7 +263,7 @@ class TriadRun:
             place=procedure.place,
             sample_rate=procedure.sample_rate,
             readings=readings,
-            covariance=joint_covariance(sensor, procedure, schedule),
+            covariance=rounded(joint_covariance(sensor, procedure, schedule), rounding),
             nominal=_nominal(sensor),
             information=information,
             wide=wide,
@@ -733,6 +736,13 @@ def _nominal(sensor: Sensor) -> Array:
     found[ROW, COLUMN] = SIGN * sensor.nominal_mounting_angle
     found[:, BIAS] = sensor.nominal_bias
     return found
+
+
+def rounded(C: Array, rounding: Array | None) -> Array:
+    """Return a covariance of readings, (3 n, 3 n), with that of their steps."""
+    if rounding is None:
+        return C
+    return C + np.diag(np.repeat(rounding, len(C) // 3))
 
 
 def prior_of(sensor: Sensor, largest: float, *, is_scaled: bool = True) -> Prior:

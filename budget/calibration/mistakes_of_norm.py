@@ -26,6 +26,7 @@ from budget.calibration.mistakes import (
     of_units,
     prior_of,
     root_of,
+    rounded,
     seen_with,
 )
 from budget.calibration.schemes.covariance import joint_covariance
@@ -98,14 +99,18 @@ class NormRun:
         *,
         numbers: Sequence[int],
         is_scaled: bool = True,
+        rounding: Array | None = None,
     ) -> NormRun:
-        """Put together what a device and a procedure say of readings, (3, n)."""
+        """Put together what a device and a procedure say of readings, (3, n).
+
+        With the variance that their steps add to each, (3,).
+        """
         found = scheme.estimate(readings)
         M = np.eye(3) + tilt_matrix(found.mounting_angle)
         inner = readings / found.scale_factor[:, None] - found.bias[:, None]
         shown = np.linalg.solve(M, inner)  # s
         seen = 2.0 * np.linalg.solve(M.T, shown)  # of an error of y/K
-        C = joint_covariance(sensor, procedure, scheme.schedule)
+        C = rounded(joint_covariance(sensor, procedure, scheme.schedule), rounding)
         n = shown.shape[1]
         blocks = C.reshape(3, n, 3, n)
         value = np.column_stack([M, found.bias])

@@ -32,7 +32,7 @@ from budget.model.estimators import estimator_of
 from budget.model.norm import NormScheme
 from budget.model.source import GYRO
 from budget.model.windows import dwells_of
-from budget.names import AXES, IMU, Name, parameters_of
+from budget.names import AXES, IMU, Name, by_group, parameters_of
 from budget.recordings.calibrated import (
     CalibratedOutput,
     PassedOver,
@@ -457,12 +457,12 @@ def _warnings(
         if unit is None and not one.has_counts
         if (np.abs(one.scale_factor - 1.0) > HALF).any()
     ]
-    held: dict[Name, list[str]] = {}  # axes, by the parameter
-    for one in triads:
-        kind = one.kind
-        own = estimated(kind, given.there)
-        for x in (name for name in parameters_of(kind) if name not in own):
-            held.setdefault(Name(x.quantity, owner=kind), []).append(x.axis)
+    held = by_group(
+        name
+        for one in triads
+        for name in parameters_of(one.kind)
+        if name not in estimated(one.kind, given.there)
+    )
     is_by_norm = any(isinstance(one.scheme, NormScheme) for one in triads)
     missing = [
         one.kind
@@ -513,7 +513,7 @@ def _warnings(
             )
             for one in triads
         ),
-        (not_judged, sentence("calibrations.not_judged", names=not_judged)),
+        (not_judged, sentence("calibrations.not_judged", names=by_group(not_judged))),
         *(
             (
                 one.is_left_handed,
@@ -521,7 +521,7 @@ def _warnings(
             )
             for one in triads
         ),
-        (held, sentence("calibrations.held", names=[*held.items()])),
+        (held, sentence("calibrations.held", names=held)),
         (is_by_norm, sentence("calibrations.by_norm")),
         (not read.is_as_planned, sentence("calibrations.other_attitudes")),
         (
@@ -530,7 +530,27 @@ def _warnings(
         ),
     ]
     yield from (said for is_so, said in rows if is_so)
+    yield from _of_steps(given, triads)
     yield from _of_health(read, triads)
+
+
+def _of_steps(given: GivenOfRun, triads: Sequence[RunTriad]) -> Iterator[str]:
+    """Yield what steps of readings that are coarse beside their noise do, by triad."""
+    for one in triads:
+        steps = given.read.steps.get(one.kind, ())
+        worst = max(steps, key=lambda x: x.u, default=None)
+        if worst is None or not worst.is_coarse:
+            continue
+        unit, size = one.unit
+        yield sentence(
+            "calibrations.steps",
+            sensor=one.kind,
+            step=worst.step / size,
+            noise=worst.noise / size,
+            u=worst.u / size,
+            unit=unit,
+            has_u=one.rounding is not None or given.unit is None,
+        )
 
 
 def _healths(

@@ -8,7 +8,8 @@ where chance does not allow it by the equal neighbours of the channel itself.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import erf, log, sqrt
+from functools import cache
+from math import erf, log, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +38,8 @@ QUARTER = 0.25  # of the parts of a channel, that may be unsound [1]
 EXTREME = 0.98  # of the samples of a window, below its end [1]
 SEEN = 0.1  # of the largest reading of a turn, that a spike is at the least [1]
 LEAST_LEFT = 0.5  # of the samples of a window, below which its mean is none [1]
+HARMONICS = 100  # of what steps put into a mean
+COARSE = 0.01  # of a step, that a mean is off by [1]
 LOST = 1e-3  # of a turn, that may be lost in a gap [1]
 
 
@@ -224,6 +227,77 @@ class UsualSteps:
         equal = min(max(seen, by_steps, LEAST_EQUAL), 1.0 - 1e-9)
         longest = max(log(CHANCE / values.size) / log(equal), float(AT_END))
         return cls(step=step, longest=longest, is_fine=equal < FINE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadingSteps:
+    """Steps of the readings of a channel beside their noise.
+
+    Rounding to steps q is off by the saw-tooth sum over k of (-1)^k q/(pi k) sin(2 pi
+    k x/q), whose mean over a noise sigma about x has e^(-2 (pi k sigma/q)^2) of each
+    term. Nobody knows x to a part of a step; that of two windows is independent.
+
+    Attributes
+    ----------
+    step, noise : float
+        q and sigma [unit].
+    """
+
+    step: float
+    noise: float
+
+    @classmethod
+    def of(cls, rests: Sequence[Array], step: float) -> ReadingSteps:
+        """Return those of a channel, by its readings at rest.
+
+        How much readings scatter differs with where in a step their mean is: sigma is
+        that whose variances at these means are nearest to theirs by least squares.
+        """
+        if step <= 0.0 or not rests:
+            return cls(step=step, noise=0.0)
+        means = np.array([one.mean() for one in rests]) / step
+        square = np.array([one.var() for one in rests]) / step**2
+        plain = sqrt(max(float(np.median(square)) - 1.0 / 12.0, 0.0))
+        sigma, mean, variance = _in_steps()
+        if plain > sigma[-1]:
+            return cls(step=step, noise=plain * step)
+        place = np.abs(means - np.rint(means))
+        pairs = zip(mean, variance, strict=True)
+        shown = np.array([np.interp(place, *pair) for pair in pairs])
+        best = int(((shown - square) ** 2).sum(axis=1).argmin())
+        return cls(step=step, noise=float(sigma[best]) * step)
+
+    @property
+    def u(self) -> float:
+        """Standard uncertainty of a mean by them, anywhere in a step [unit]."""
+        if self.step <= 0.0:
+            return 0.0
+        k = np.arange(1, HARMONICS + 1)
+        size = 0.5 * (self.step / (pi * k)) ** 2
+        left = np.exp(-((2.0 * pi * k * self.noise / self.step) ** 2))
+        return sqrt(float((size * left).sum()))
+
+    @property
+    def is_coarse(self) -> bool:
+        """Whether that counts."""
+        return self.u > COARSE * self.step
+
+
+@cache
+def _in_steps() -> tuple[Array, Array, Array]:
+    """Return sigma, (m,), and mean and variance of readings, (m, n), over a step.
+
+    From the middle of a step to its edge.
+    """
+    from scipy.special import ndtr
+
+    sigma, x = np.linspace(0.005, 0.8, 160), np.linspace(0.0, 0.5, 101)
+    levels = np.arange(-5.0, 7.0)
+    above = (levels + 0.5 - x[:, None]) / sigma[:, None, None]
+    below = (levels - 0.5 - x[:, None]) / sigma[:, None, None]
+    each = ndtr(above) - ndtr(below)
+    mean = (each * levels).sum(axis=-1)
+    return sigma, mean, (each * levels**2).sum(axis=-1) - mean**2
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -29,7 +29,7 @@ from budget.inputs.reader import refuse
 from budget.model.source import Nonlinearity, Offset
 from budget.model.sources import source_of
 from budget.model.sources.later import AGEING, growth
-from budget.names import PARAMETERS, Name
+from budget.names import PARAMETERS, Name, by_group
 from budget.recordings.results import (
     LEVEL,
     common_keys,
@@ -272,7 +272,7 @@ def history(
             *left_out,
             *([sentence("calibrations.lacks_turn_ons", names=lacks)] if lacks else []),
             *(
-                [sentence("calibrations.limits_not_judged", names=not_judged)]
+                [sentence("calibrations.limits_not_judged", names=by_group(not_judged))]
                 if not_judged
                 else []
             ),

@@ -16,7 +16,12 @@ import numpy as np
 from budget.errors import CallError
 from budget.model.source import GYRO, SENSORS
 from budget.model.windows import dwells_of
-from budget.recordings.health import WindowHealth, WindowReadings, ends_of
+from budget.recordings.health import (
+    ReadingSteps,
+    WindowHealth,
+    WindowReadings,
+    ends_of,
+)
 from budget.recordings.matching import matched_windows
 from budget.recordings.measured_turns import measured_turns
 from budget.recordings.track import (
@@ -37,7 +42,7 @@ from budget.recordings.window_table import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
     from budget.inputs.records import Recording
@@ -135,6 +140,7 @@ def read_windows(
         is_as_planned=is_as_planned,
         has_one_clock=not any(one.offset for one in tracks),
         health={kind: tuple(own) for kind, own in health.items()},
+        steps={kind: tuple(_steps(kind, tracks, parts)) for kind in kinds},
         turns=turns,
         turns_left_out=left_out,
     )
@@ -177,6 +183,19 @@ def _parts(
             )
         found.append(own)
     return found
+
+
+def _steps(
+    kind: str,
+    tracks: Sequence[RecordedTrack],
+    parts: Sequence[Mapping[str, WindowReadings]],
+) -> Iterator[ReadingSteps]:
+    """Yield the steps of a triad's readings beside their noise at rest, by axis."""
+    usual = next(one.usual[kind] for one in tracks if kind in one.values)
+    rests = [one[kind].own for one in parts if kind in one and not one[kind].is_turn]
+    for axis, common in enumerate(usual):
+        step = 0.0 if common is None else common.step
+        yield ReadingSteps.of([one[axis] for one in rests], step)
 
 
 def _passed_over(

@@ -71,6 +71,7 @@ def run_of(triad: RunTriad, triads: Sequence[RunTriad], procedure: Procedure) ->
             triad.scaled,
             numbers=triad.numbers,
             is_scaled=not triad.has_counts,
+            rounding=triad.rounding,
         )
     return TriadRun.of(
         triad.sensor,
@@ -80,6 +81,7 @@ def run_of(triad: RunTriad, triads: Sequence[RunTriad], procedure: Procedure) ->
         triad.numbers,
         is_scaled=not triad.has_counts,
         orders=orders_of(triad.kind, procedure),
+        rounding=triad.rounding,
     )
 
 

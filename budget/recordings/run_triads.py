@@ -51,6 +51,9 @@ class RunTriad:
         Of a gyro that is found by them; its windows are dwells.
     is_found : bool
         Whether they fit any values; else those are nominal, and not given out.
+    rounding : ndarray, shape (3,), or None
+        Variance of what steps of the readings put into a scaled mean; None where they
+        are fine or not known, or of a gyro that is found by turns.
     """
 
     sensor: Sensor
@@ -63,6 +66,7 @@ class RunTriad:
     has_counts: bool
     turns: MeasuredTurns | None = None
     is_found: bool = True
+    rounding: Array | None = None
 
     @property
     def kind(self) -> str:
@@ -184,7 +188,14 @@ def run_triads(
             )
         scheme = schemes_of([sensor], procedure)[kind]
         _check_connected(f"{read.name}: {kind}", readings)
-        yield run_triad(sensor, scheme, own, readings, is_counted=read.has_counts[kind])
+        found = run_triad(
+            sensor, scheme, own, readings, is_counted=read.has_counts[kind]
+        )
+        steps = read.steps.get(kind, ())
+        if any(one.is_coarse for one in steps):
+            u = np.array([one.u for one in steps]) / found.scale
+            found = replace(found, rounding=u**2)
+        yield found
 
 
 def _check_connected(name: str, readings: Array) -> None:

@@ -76,6 +76,7 @@ class RunValues:
             law = propagate(problem)
             from_zero = _from_zero(triads, wanted)
             covariance = from_zero @ law.covariance @ from_zero.T
+            covariance += _by_steps(triads, procedure, wanted)
             nu = law.degrees_of_freedom
         before = [
             sqrt(sum((x * prior[part]) ** 2 for part, x in parts_of(name).items()))
@@ -285,16 +286,36 @@ def _by_scatter(
             free = np.round(trace**2 / (A**2).sum(axis=(1, 2)), 9)
         J = _derivative(triad)  # (values, 3, n)
         of_values = np.einsum("pin,i,n,qin->pq", J, variance, D, J)
-        change = np.zeros((n, len(names)))
-        for row, name in enumerate(wanted):
-            for part, x in parts_of(name).items():
-                if part in names:
-                    change[row, names.index(part)] = x
+        change = _of_values(wanted, names)
         covariance += change @ of_values @ change.T
         for place in np.flatnonzero(change.any(axis=1)).tolist():
             axes = {AXES.index(names[k].axis[0]) for k in np.flatnonzero(change[place])}
             nu[place] = min(nu[place], *(free[axis] for axis in axes))
     return covariance, nu
+
+
+def _by_steps(
+    triads: Sequence[RunTriad], procedure: Procedure, wanted: Sequence[Name]
+) -> Array:
+    """Return the covariance of outputs by what steps of readings put into means."""
+    found = np.zeros((len(wanted), len(wanted)))
+    for one in triads:
+        if one.rounding is not None:
+            J = _derivative(one)  # (values, 3, n)
+            change = _of_values(wanted, _names(one, procedure))
+            of_values = np.einsum("pin,i,qin->pq", J, one.rounding, J)
+            found += change @ of_values @ change.T
+    return found
+
+
+def _of_values(wanted: Sequence[Name], names: Sequence[Name]) -> Array:
+    """Return the derivatives of outputs by a triad's values."""
+    change = np.zeros((len(wanted), len(names)))
+    for row, name in enumerate(wanted):
+        for part, x in parts_of(name).items():
+            if part in names:
+                change[row, names.index(part)] = x
+    return change
 
 
 def _derivative(triad: RunTriad) -> Array:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from budget.inputs.records import Recording
     from budget.model.measured import MeasuredTurn
     from budget.model.windows import Window
-    from budget.recordings.health import WindowHealth
+    from budget.recordings.health import ReadingSteps, WindowHealth
 
 WINDOW, DURATION, START, END = "window", "duration", "start", "end"
 MOST_BYTES = 16 * 1024 * 1024  # of a table of windows
@@ -60,6 +60,8 @@ class RecordedWindows:
         Whether the stamps of all recordings go on, if there are several.
     health : mapping of str to tuple of WindowHealth
         By triad, of each window; of a table of means nothing is known of it.
+    steps : mapping of str to tuple of ReadingSteps
+        By triad, of each axis; likewise.
     turns : tuple of MeasuredTurn
         From one dwell to another, where attitudes are unknown; windows are then dwells.
     turns_left_out : tuple of int
@@ -75,6 +77,7 @@ class RecordedWindows:
     is_as_planned: bool = True
     has_one_clock: bool = True
     health: Mapping[str, tuple[WindowHealth, ...]] = field(default_factory=dict)
+    steps: Mapping[str, tuple[ReadingSteps, ...]] = field(default_factory=dict)
     turns: tuple[MeasuredTurn, ...] = ()
     turns_left_out: tuple[int, ...] = ()
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from budget.names import Name
+from budget.report.calibrated import decimals_of
 from budget.report.document import json_text
 from budget.report.figures.history import history_plots
 from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.tables import DASH
+from budget.report.tables import DASH, print_given
 from budget.version import __version__
 
 if TYPE_CHECKING:
@@ -18,6 +20,41 @@ if TYPE_CHECKING:
     from budget.report.blocks import Document, Section
 
 COMMAND = "budget history"
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintedDrift:
+    """One parameter over time as people read it, in its unit.
+
+    The last value to two digits of U, the drift to those of half its interval.
+    """
+
+    row: HistoryRow
+    last: str
+    expanded: str  # '' where it is not known
+    drift: str
+    reach: str  # likewise
+
+
+def printed_drift(row: HistoryRow) -> PrintedDrift:
+    """Print the last value and the drift of a parameter."""
+    last, ends = row.values[-1], (row.drift_low, row.drift_high)
+    reach = None if None in ends else max(x - row.drift for x in ends if x is not None)
+    return PrintedDrift(
+        row=row,
+        last=_to_digits_of(last.expanded, last.value),
+        expanded=print_given(last.expanded, digits=2) if last.expanded else "",
+        drift=_to_digits_of(reach, row.drift, sign="+"),
+        reach=print_given(reach, digits=2) if reach else "",
+    )
+
+
+def _to_digits_of(u: float | None, value: float, sign: str = "") -> str:
+    """Print a value to two digits of what it is known to; without that to five."""
+    if not u:
+        return print_given(value, digits=5)
+    decimals = decimals_of(u)
+    return f"{round(value, decimals) + 0.0:{sign}.{decimals}f}"
 
 
 def history_answer(found: CalibrationHistory) -> tuple[Section, ...]:
@@ -33,7 +70,7 @@ def _view(found: CalibrationHistory) -> dict[str, object]:
     groups = groupby(found.parameters, key=lambda one: one.sensor)
     return {
         "found": found,
-        "groups": {sensor: [*own] for sensor, own in groups},
+        "groups": {sensor: [*map(printed_drift, own)] for sensor, own in groups},
         "calibrations": len(found.parameters[0].values),
         "older": [one for one in found.parameters if one.is_older],
         "name_of": _name,
