@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.mistakes import (
+    EQUAL,
     SUSPECT,
     ChiSquare,
     LooksLike,
@@ -292,7 +293,7 @@ class RotationRun:
         """What it looks like if it is not sound; None where no known mistake fits.
 
         Those of the least misfit at the nominal values are solved; of these the least
-        are held against the covariance.
+        are held against the covariance, with all that leave as little.
         """
         if self.is_sound:
             return None
@@ -309,8 +310,9 @@ class RotationRun:
             if is_found:
                 tried.append((float(np.linalg.norm(turns.misfit(found))), one))
         tried.sort(key=lambda each: each[0])
+        most = max((size for size, _ in tried[:CLOSE]), default=0.0) * (1.0 + EQUAL)
         sound, _ = self.fit(Mistake(name=""))
-        found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
+        found_ = [(*self.fit(one), one) for size, one in tried if size <= most]
         return likeliest(sound, found_)
 
 
