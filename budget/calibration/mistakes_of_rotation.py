@@ -59,6 +59,8 @@ class _Solved:
         F, of each leg across gravity [rad].
     slope : ndarray, shape (m, 12)
         J.
+    level : ndarray, shape (m, 2), or (m, 0)
+        The same of the earth rate that nobody knows [s].
     covariance : ndarray, shape (m, m)
     spread : ndarray, shape (m, k)
         Of F by parameters of both triads times what each is known to before.
@@ -68,6 +70,7 @@ class _Solved:
 
     misfit: Array
     slope: Array
+    level: Array
     covariance: Array
     spread: Array
     off: Array
@@ -150,6 +153,7 @@ class RotationRun:
         return _Solved(
             misfit=across @ now.misfit,
             slope=across @ now.slope,
+            level=across @ now.level,
             covariance=across @ C @ across.T,
             spread=across @ spread,
             off=p - nominal_of(self.held),
@@ -215,7 +219,7 @@ class RotationRun:
     def residual_u(self) -> Array:
         """Return standard uncertainties of what is left in dwells, (3, n) [rad/s]."""
         of = self._solved
-        J = of.slope[:, self.held.estimated]
+        J = np.hstack([of.slope[:, self.held.estimated], of.level])
         size = np.linalg.norm(J, axis=0)
         R = np.eye(len(J)) - (J / size) @ np.linalg.pinv(J / size)
         u = np.sqrt(np.maximum(np.diag(R @ of.covariance @ R.T), 0.0))

@@ -3,9 +3,11 @@
 Between two dwells the attitude is followed sample by sample, C' = exp(-[w t]x) C with
 w what the gyro shows less the earth rate there; at a dwell it is leaned to where the
 calibrated accelerometers see down. Heading is that of the first dwell and what the
-gyro has followed since. For the weights samples are joined to steps of 15 deg at the
-most, each the rotation vector of its samples' product: what its axis does within a step
-is in the angle, and no error of the estimate, which is of the samples themselves.
+gyro has followed since; where nobody knows that of the first, the horizontal earth rate
+is found with the parameters, as two more. For the weights samples are joined to steps
+of 15 deg at the most, each the rotation vector of its samples' product: what its axis
+does within a step is in the angle, and no error of the estimate, which is of the
+samples themselves.
 """
 
 from __future__ import annotations
@@ -212,6 +214,8 @@ class FollowedTurns:
         As `sensitivities` has them.
     slope : ndarray, shape (rows, 12)
         J, of F by errors of parameters.
+    level : ndarray, shape (rows, 2), or (rows, 0)
+        The same of F by the earth rate to east and north that nobody knows [s].
     """
 
     windows: tuple[Window, ...]
@@ -220,6 +224,14 @@ class FollowedTurns:
     by_rate: Array
     by_direction: Array
     slope: Array
+    level: Array
+
+    @property
+    def residual(self) -> Array:
+        """F less what of it is the horizontal earth rate, (rows,) [rad]."""
+        return np.asarray(
+            self.misfit - self.level @ (np.linalg.pinv(self.level) @ self.misfit)
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -236,7 +248,9 @@ class MeasuredTurns:
         Mean rates of the dwells [rad/s].
     turns : tuple of MeasuredTurn
     earth : ndarray, shape (3,)
-        Earth rate, east-north-up [rad/s].
+        Earth rate that is known, east-north-up [rad/s].
+    knows_azimuth : bool
+        Whether all of it is; else the vertical part.
     """
 
     dwells: tuple[Window, ...]
@@ -244,6 +258,7 @@ class MeasuredTurns:
     still: Array
     turns: tuple[MeasuredTurn, ...]
     earth: Array
+    knows_azimuth: bool = True
 
     @cached_property
     def lengths(self) -> Array:
@@ -321,12 +336,14 @@ class MeasuredTurns:
         lengths = np.array([one.length for one in windows])
         attitudes = np.array([one.attitude for one in steps])
         rates = vectors / lengths[:, None]
-        rates += mean_rotation(-vectors) @ attitudes @ self.earth
+        means = mean_rotation(-vectors) @ attitudes
+        rates += means @ self.earth
         rates[is_dwell] = self._shown(found, self.still).T
         by_rate, by_direction = sensitivities(lengths, vectors, self.down, tuple(legs))
         M = np.eye(3) + tilt_matrix(found.mounting_angle)
         value = np.column_stack([M, found.bias])
         slope = np.einsum("rwi,wip->rp", by_rate, shown_of_errors(rates, value))
+        unknown = means[..., : 0 if self.knows_azimuth else 2]
         return FollowedTurns(
             windows=tuple(windows),
             legs=tuple(legs),
@@ -334,6 +351,7 @@ class MeasuredTurns:
             by_rate=by_rate,
             by_direction=by_direction,
             slope=slope,
+            level=np.einsum("rwi,wij->rj", by_rate, unknown),
         )
 
     def solve(self, held: Held) -> tuple[CalibratedTriad, bool]:
@@ -344,12 +362,18 @@ class MeasuredTurns:
         p = nominal_of(held)
         first = triad_of(p)
         places = held.estimated
-        size = np.where(places < 9, 1.0, 1.0 / self.lengths.max())  # noqa: PLR2004
+        turns, longest = self, self.lengths.max()
+        size = np.where(places < 9, 1.0, 1.0 / longest)  # noqa: PLR2004
         for _ in range(STEPS):
-            now = self.follow(triad_of(p))
-            J = now.slope[:, places] * size
+            now = turns.follow(triad_of(p))
+            J = np.hstack([now.slope[:, places] * size, now.level / longest])
+            found = np.linalg.lstsq(J, now.misfit)[0]
+            level = found[len(places) :] / longest
+            turns = replace(
+                turns, earth=turns.earth + np.pad(level, (0, 3 - len(level)))
+            )
             step = np.zeros(12)
-            step[places] = size * np.linalg.lstsq(J, now.misfit)[0]
+            step[places] = size * found[: len(places)]
             step[:3] *= p[:3]
             p = p - step
             if not np.isfinite(p).all() or (np.abs(p[:3] - 1.0) > FAR).any():

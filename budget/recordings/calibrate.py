@@ -180,10 +180,9 @@ class _Triad:
             shown = np.linalg.solve(M, self.scaled / K - b)
             g = float(np.linalg.norm(self.scheme.gravity))
             return np.asarray(np.linalg.norm(shown, axis=0)[None] - g)
-        if isinstance(self.scheme, RotationScheme):
-            still = self.scheme.schedule.senses == 0.0
-            shown = np.linalg.solve(M, self.scaled / K - b)
-            return np.asarray(shown - self.scheme.standing[still].T)
+        if self.turns is not None:
+            left = self.turns.follow(self.found).residual[-self.readings.size :]
+            return np.asarray(left.reshape(-1, 3).T / self.turns.lengths)
         inputs = (self.scheme.turn + self.scheme.standing).T
         true = M @ inputs + b
         if self.scheme.orders and self.found.higher is not None:
@@ -321,6 +320,7 @@ def _with_gyro(
         still=read.means[GYRO],
         turns=read.turns,
         earth=there.place.earth,
+        knows_azimuth=there.place.azimuth is not None,
     )
     if not np.isfinite(turns.still).all():
         raise CallError(sentence("calibrations.no_moves"))
@@ -924,6 +924,7 @@ def _nominal_rotation(gyro: Sensor, procedure: Procedure) -> RotationRun | None:
             still=rates[:, still],
             turns=turns,
             earth=procedure.place.earth,
+            knows_azimuth=procedure.place.azimuth is not None,
         ),
     )
 

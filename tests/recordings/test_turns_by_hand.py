@@ -124,8 +124,10 @@ def test_the_slope_is_that_of_differences():
     assert_allclose(now.slope, found, rtol=0.0, atol=2e-3 * np.abs(found).max())
 
 
-def test_turns_without_noise_give_what_was_drawn():
+@pytest.mark.parametrize("knows_azimuth", [True, False])
+def test_turns_without_noise_give_what_was_drawn(knows_azimuth):
     """The least squares of exact readings are the parameters, to rounding."""
+    earth = 1e-5 * np.array([3.6, 4.8, 4.0])  # [rad/s]
     gyro = load_device(MEMS).sensors[0]
     held = held_of("gyro", load_procedure(BY_HAND), gyro)
     rng = np.random.default_rng(3)
@@ -140,8 +142,9 @@ def test_turns_without_noise_give_what_was_drawn():
     def read(w):
         return true.scale_factor[:, None] * (M @ w + true.bias[:, None])
 
-    down, dwells, turns = [np.array([0.0, 0.0, 1.0])], [], []
+    C, standing, dwells, turns = np.eye(3), [], [], []
     for k in range(18):
+        standing.append(C)
         dwells.append(
             Window(
                 name=str(k),
@@ -153,29 +156,36 @@ def test_turns_without_noise_give_what_was_drawn():
         )
         if k == 17:
             break
-        own = np.repeat((0.3 * rates[k] / np.linalg.norm(rates[k]))[:, None], 80, 1)
+        own = 0.3 * rates[k] / np.linalg.norm(rates[k])
+        seen = []
+        for _ in range(80):
+            seen.append(own + C @ earth)
+            C = rotation(-own * 0.1) @ C
         turns.append(
             MeasuredTurn(
                 first=k,
                 last=k + 1,
                 start=20.0 * k + 10.0,
                 lengths=np.full(80, 0.1),
-                rates=read(own),
+                rates=read(np.transpose(seen)),
             )
         )
-        down.append(rotation(-own[:, 0] * 8.0) @ down[-1])
     measured = MeasuredTurns(
         dwells=tuple(dwells),
-        down=np.array(down),
-        still=read(np.zeros((3, 18))),
+        down=np.array(standing)[:, :, 2],
+        still=read((np.array(standing) @ earth).T),
         turns=tuple(turns),
-        earth=np.zeros(3),
+        earth=earth if knows_azimuth else earth * [0.0, 0.0, 1.0],
+        knows_azimuth=knows_azimuth,
     )
     found, is_found = measured.solve(held)
     assert is_found
     assert_allclose(found.scale_factor, true.scale_factor, rtol=1e-9)
     assert_allclose(found.mounting_angle, true.mounting_angle, atol=1e-9)
     assert_allclose(found.bias, true.bias, atol=1e-12)
+    # The horizontal earth rate alone is left: of 8 s, by means over steps of 15 deg.
+    least = 1e-11 if knows_azimuth else 0.02 * 8.0 * 6e-5
+    assert np.abs(measured.follow(found).residual).max() < least
 
 
 # ---- what is missing is said ---------------------------------------------------------
