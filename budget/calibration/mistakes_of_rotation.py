@@ -75,6 +75,10 @@ class _Solved:
     spread: Array
     off: Array
 
+    def fitted(self, held: Held) -> Array:
+        """Return the columns of all that is found."""
+        return np.hstack([self.slope[:, held.estimated], self.level])
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RotationRun:
@@ -120,7 +124,7 @@ class RotationRun:
     def _solve(self, mistake: Mistake) -> _Solved:
         """Return what is left with a mistake undone."""
         turns = self._turns(mistake)
-        found, _ = turns.solve(self.held)
+        turns, found, _ = turns.solve(self.held)
         return self._put_together(turns, found, _of_unit(mistake))
 
     def _put_together(
@@ -193,7 +197,7 @@ class RotationRun:
         of = self._solved
         root = root_of(of.covariance, self.sensor.kind)
         z = np.linalg.solve(root, of.misfit)
-        B = np.linalg.solve(root, of.slope[:, self.held.estimated])
+        B = np.linalg.solve(root, of.fitted(self.held))
         size = np.linalg.norm(B, axis=0)
         found, _, rank, _ = np.linalg.lstsq(B / size, z)
         left = z - (B / size) @ found
@@ -213,13 +217,14 @@ class RotationRun:
         z = np.linalg.solve(root_of(V, self.sensor.kind), F)
         known = prior_of(self.sensor, 1.0).is_known[self.held.estimated]
         return ChiSquare(
-            value=float(z @ z), degrees_of_freedom=len(z) - int((~known).sum())
+            value=float(z @ z),
+            degrees_of_freedom=len(z) - int((~known).sum()) - of.level.shape[1],
         )
 
     def residual_u(self) -> Array:
         """Return standard uncertainties of what is left in dwells, (3, n) [rad/s]."""
         of = self._solved
-        J = np.hstack([of.slope[:, self.held.estimated], of.level])
+        J = of.fitted(self.held)
         size = np.linalg.norm(J, axis=0)
         R = np.eye(len(J)) - (J / size) @ np.linalg.pinv(J / size)
         u = np.sqrt(np.maximum(np.diag(R @ of.covariance @ R.T), 0.0))
@@ -258,13 +263,13 @@ class RotationRun:
     @cached_property
     def _nominal(self) -> tuple[MeasuredTurns, Array, Array]:
         """What a nominal unit reads of these turns, the root of V, and its F."""
-        found, _ = self.turns.solve(self.held)
-        windows = self.turns.follow(found).windows
+        there, found, _ = self.turns.solve(self.held)
+        windows = there.follow(found).windows
         schedule, value = Schedule(windows=windows), self.held.value
-        inputs = schedule.rates + schedule.to_body @ self.turns.earth
+        inputs = schedule.rates + schedule.to_body @ there.earth
         rates = value[:, :3] @ inputs.T + value[:, 3:]
         still, turns = turns_of_rows(windows, rates)
-        own = replace(self.turns, still=rates[:, still], turns=turns)
+        own = replace(there, still=rates[:, still], turns=turns)
         nominal = triad_of(nominal_of(self.held))
         of = self._put_together(own, nominal, np.eye(3))
         V = of.covariance + of.spread @ of.spread.T
@@ -280,7 +285,8 @@ class RotationRun:
         turns = replace(turns, down=turns.down @ _of_unit(mistake).T)
         if mistake.place is not None:
             # What it reads of its true earth rate the procedure's does not take off.
-            turns = replace(turns, earth=2.0 * turns.earth - mistake.place.earth)
+            earth = turns.earth + self.place.earth - mistake.place.earth
+            turns = replace(turns, earth=earth)
         misfit = turns.misfit(triad_of(nominal_of(self.held)))
         shift = _across(turns) @ misfit - base
         z = np.linalg.solve(root, shift)
@@ -310,7 +316,7 @@ class RotationRun:
         tried = []
         for one in likely:
             turns = self._turns(one)
-            found, is_found = turns.solve(self.held)
+            turns, found, is_found = turns.solve(self.held)
             if is_found:
                 tried.append((float(np.linalg.norm(turns.misfit(found))), one))
         tried.sort(key=lambda each: each[0])

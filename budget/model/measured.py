@@ -141,9 +141,9 @@ class MeasuredTurn:
     start : float
         [s].
     lengths : ndarray, shape (n,)
-        Of each sample [s].
+        Of each sample, or of each turn about an axis that stays [s].
     rates : ndarray, shape (3, n)
-        [rad/s].
+        Means over these [rad/s].
     """
 
     first: int
@@ -226,13 +226,6 @@ class FollowedTurns:
     slope: Array
     level: Array
 
-    @property
-    def residual(self) -> Array:
-        """F less what of it is the horizontal earth rate, (rows,) [rad]."""
-        return np.asarray(
-            self.misfit - self.level @ (np.linalg.pinv(self.level) @ self.misfit)
-        )
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTurns:
@@ -248,9 +241,9 @@ class MeasuredTurns:
         Mean rates of the dwells [rad/s].
     turns : tuple of MeasuredTurn
     earth : ndarray, shape (3,)
-        Earth rate that is known, east-north-up [rad/s].
+        Earth rate that is known, or has been found, east-north-up [rad/s].
     knows_azimuth : bool
-        Whether all of it is; else the vertical part.
+        Whether the horizontal part is known.
     """
 
     dwells: tuple[Window, ...]
@@ -282,8 +275,7 @@ class MeasuredTurns:
             if turn is not None:
                 start = turn.start
                 own = self._shown(found, turn.rates).T
-                for first, end, product in _steps(own, turn.lengths, C, self.earth):
-                    length = float(turn.lengths[first:end].sum())
+                for length, product in _steps(own, turn.lengths, C, self.earth):
                     yield _TracedStep(
                         attitude=C,
                         start=start,
@@ -354,10 +346,11 @@ class MeasuredTurns:
             level=np.einsum("rwi,wij->rj", by_rate, unknown),
         )
 
-    def solve(self, held: Held) -> tuple[CalibratedTriad, bool]:
+    def solve(self, held: Held) -> tuple[MeasuredTurns, CalibratedTriad, bool]:
         """Return the least squares of F from the nominal values, and whether found.
 
-        Steps of Gauss and Newton, with the attitudes followed anew in each.
+        Before them the same turns with the earth rate that is found. Steps of Gauss and
+        Newton, with the attitudes followed anew in each.
         """
         p = nominal_of(held)
         first = triad_of(p)
@@ -377,18 +370,16 @@ class MeasuredTurns:
             step[:3] *= p[:3]
             p = p - step
             if not np.isfinite(p).all() or (np.abs(p[:3] - 1.0) > FAR).any():
-                return first, False
+                return self, first, False
             if (np.abs(step[places]) <= DONE * np.maximum(size, DEG_PER_HOUR)).all():
-                return triad_of(p), True
-        return triad_of(p), bool((np.abs(step[places]) <= 1e-6 * size).all())
+                return turns, triad_of(p), True
+        is_found = bool((np.abs(step[places]) <= 1e-6 * size).all())
+        return turns, triad_of(p), is_found
 
     def scaled(self, undone: Array) -> MeasuredTurns:
         """Return the same with readings multiplied by a matrix, (3, 3)."""
-        turns = []
-        for one in self.turns:
-            lengths, rates = _in_parts(one.lengths, undone @ one.rates)
-            turns.append(replace(one, lengths=lengths, rates=rates))
-        return replace(self, still=undone @ self.still, turns=tuple(turns))
+        turns = tuple(replace(one, rates=undone @ one.rates) for one in self.turns)
+        return replace(self, still=undone @ self.still, turns=turns)
 
 
 def nominal_of(held: Held) -> Array:
@@ -404,20 +395,28 @@ def triad_of(p: Array) -> CalibratedTriad:
 
 def _steps(
     rates: Array, lengths: Array, C: Array, earth: Array
-) -> list[tuple[int, int, Array]]:
-    """Return parts of a turn, none over STEP, with the product of each, (3, 3)."""
-    found = []
-    first, angle, product = 0, 0.0, np.eye(3)
+) -> Iterator[tuple[float, Array]]:
+    """Yield length and product, (3, 3), of parts of a turn, none over STEP.
+
+    Of a turn about an axis that stays the earth rate is taken off as its mean is, by
+    the way that it takes through the body.
+    """
+    length, angle, product = 0.0, 0.0, np.eye(3)
     sizes = np.linalg.norm(rates, axis=1) * lengths
-    for k, (rate, length) in enumerate(zip(rates, lengths.tolist(), strict=True)):
-        if k > first and angle + sizes[k] > STEP:
-            found.append((first, k, product))
-            first, angle, product = k, 0.0, np.eye(3)
-        R = _small_rotation(-(rate - C @ earth) * length)
-        product, C = R @ product, R @ C
-        angle += sizes[k]
-    found.append((first, len(rates), product))
-    return found
+    parts = np.maximum(1, np.ceil(sizes / STEP)).astype(int)
+    for rate, whole, size, n in zip(
+        rates, lengths.tolist(), (sizes / parts).tolist(), parts.tolist(), strict=True
+    ):
+        mean = mean_rotation(-rate * whole) if n > 1 else np.eye(3)
+        own = (rate - mean @ C @ earth) * (whole / n)
+        for _ in range(n):
+            if length and angle + size > STEP:
+                yield length, product
+                length, angle, product = 0.0, 0.0, np.eye(3)
+            R = _small_rotation(-own)
+            product, C = R @ product, R @ C
+            length, angle = length + whole / n, angle + size
+    yield length, product
 
 
 def _small_rotation(v: Array) -> Array:
@@ -479,7 +478,6 @@ def turns_of_rows(
                 f"window {k + 1} ({windows[k].name}) turns by {angles.max():.3g} rad, "
                 f"expected {MOST_TURNED:g} at the most; is its unit the right one?"
             )
-        lengths, own = _in_parts(lengths, own)
         found.append(
             MeasuredTurn(
                 first=number,
@@ -490,10 +488,3 @@ def turns_of_rows(
             )
         )
     return still, tuple(found)
-
-
-def _in_parts(lengths: Array, rates: Array) -> tuple[Array, Array]:
-    """Return samples, (n,) and (3, n), in equal parts of STEP at the most."""
-    angles = np.linalg.norm(rates, axis=0) * lengths
-    parts = np.maximum(1, np.ceil(angles / STEP)).astype(int)
-    return np.repeat(lengths / parts, parts), np.repeat(rates, parts, axis=1)

@@ -181,7 +181,7 @@ class _Triad:
             g = float(np.linalg.norm(self.scheme.gravity))
             return np.asarray(np.linalg.norm(shown, axis=0)[None] - g)
         if self.turns is not None:
-            left = self.turns.follow(self.found).residual[-self.readings.size :]
+            left = self.turns.misfit(self.found)[-self.readings.size :]
             return np.asarray(left.reshape(-1, 3).T / self.turns.lengths)
         inputs = (self.scheme.turn + self.scheme.standing).T
         true = M @ inputs + b
@@ -326,7 +326,7 @@ def _with_gyro(
         raise CallError(sentence("calibrations.no_moves"))
     every = np.hstack([turns.still, *(one.rates for one in turns.turns)])
     _check_connected(GYRO, every)
-    found, is_found = turns.solve(held)
+    turns, found, is_found = turns.solve(held)
     there = replace(there, windows=turns.follow(found).windows)
     schemes = schemes_of([sensors[GYRO], norm.sensor], there)
     still = _Triad(
