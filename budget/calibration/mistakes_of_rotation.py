@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.calibration.mistakes import (
+    EQUAL,
     SUSPECT,
     ChiSquare,
     LooksLike,
@@ -58,6 +59,8 @@ class _Solved:
         F, of each leg across gravity [rad].
     slope : ndarray, shape (m, 12)
         J.
+    level : ndarray, shape (m, 2), or (m, 0)
+        The same of the earth rate that nobody knows [s].
     covariance : ndarray, shape (m, m)
     spread : ndarray, shape (m, k)
         Of F by parameters of both triads times what each is known to before.
@@ -67,9 +70,14 @@ class _Solved:
 
     misfit: Array
     slope: Array
+    level: Array
     covariance: Array
     spread: Array
     off: Array
+
+    def fitted(self, held: Held) -> Array:
+        """Return the columns of all that is found."""
+        return np.hstack([self.slope[:, held.estimated], self.level])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -87,6 +95,7 @@ class RotationRun:
     held : Held
         Of the gyro.
     turns : MeasuredTurns
+        With the earth rate that is found, where values are given.
     found : CalibratedTriad, optional
         What these give.
     """
@@ -107,12 +116,15 @@ class RotationRun:
     @cached_property
     def _solved(self) -> _Solved:
         """What is left with the values that are found."""
-        return self._put_together(self.turns, self._found, np.eye(3))
+        return self._put_together(*self._found, np.eye(3))
 
     @cached_property
-    def _found(self) -> CalibratedTriad:
-        """The values that are found."""
-        return self.found or self.turns.solve(self.held)[0]
+    def _found(self) -> tuple[MeasuredTurns, CalibratedTriad]:
+        """The values that are found, and before them turns with their earth rate."""
+        if self.found is not None:
+            return self.turns, self.found
+        turns, found, _ = self.turns.solve(self.held)
+        return turns, found
 
     def _turns(self, mistake: Mistake) -> MeasuredTurns:
         """Return the turns with a mistake undone."""
@@ -124,7 +136,7 @@ class RotationRun:
     def _solve(self, mistake: Mistake) -> _Solved:
         """Return what is left with a mistake undone."""
         turns = self._turns(mistake)
-        found, _ = turns.solve(self.held)
+        turns, found, _ = turns.solve(self.held)
         return self._put_together(turns, found, _of_unit(mistake))
 
     def _put_together(
@@ -157,6 +169,7 @@ class RotationRun:
         return _Solved(
             misfit=across @ now.misfit,
             slope=across @ now.slope,
+            level=across @ now.level,
             covariance=across @ C @ across.T,
             spread=across @ spread,
             off=p - nominal_of(self.held),
@@ -196,7 +209,7 @@ class RotationRun:
         of = self._solved
         root = root_of(of.covariance, self.sensor.kind)
         z = np.linalg.solve(root, of.misfit)
-        B = np.linalg.solve(root, of.slope[:, self.held.estimated])
+        B = np.linalg.solve(root, of.fitted(self.held))
         size = np.linalg.norm(B, axis=0)
         found, _, rank, _ = np.linalg.lstsq(B / size, z)
         left = z - (B / size) @ found
@@ -216,13 +229,14 @@ class RotationRun:
         z = np.linalg.solve(root_of(V, self.sensor.kind), F)
         known = prior_of(self.sensor, 1.0).is_known[self.held.estimated]
         return ChiSquare(
-            value=float(z @ z), degrees_of_freedom=len(z) - int((~known).sum())
+            value=float(z @ z),
+            degrees_of_freedom=len(z) - int((~known).sum()) - of.level.shape[1],
         )
 
     def residual_u(self) -> Array:
         """Return standard uncertainties of what is left in dwells, (3, n) [rad/s]."""
         of = self._solved
-        J = of.slope[:, self.held.estimated]
+        J = of.fitted(self.held)
         size = np.linalg.norm(J, axis=0)
         R = np.eye(len(J)) - (J / size) @ np.linalg.pinv(J / size)
         u = np.sqrt(np.maximum(np.diag(R @ of.covariance @ R.T), 0.0))
@@ -261,12 +275,13 @@ class RotationRun:
     @cached_property
     def _nominal(self) -> tuple[MeasuredTurns, Array, Array]:
         """What a nominal unit reads of these turns, the root of V, and its F."""
-        windows = self.turns.follow(self._found).windows
+        there, found = self._found
+        windows = there.follow(found).windows
         schedule, value = Schedule(windows=windows), self.held.value
-        inputs = schedule.rates + schedule.to_body @ self.turns.earth
+        inputs = schedule.rates + schedule.to_body @ there.earth
         rates = value[:, :3] @ inputs.T + value[:, 3:]
         still, turns = turns_of_rows(windows, rates)
-        own = replace(self.turns, still=rates[:, still], turns=turns)
+        own = replace(there, still=rates[:, still], turns=turns)
         nominal = triad_of(nominal_of(self.held))
         of = self._put_together(own, nominal, np.eye(3))
         V = of.covariance + of.spread @ of.spread.T
@@ -282,7 +297,8 @@ class RotationRun:
         turns = replace(turns, down=turns.down @ _of_unit(mistake).T)
         if mistake.place is not None:
             # What it reads of its true earth rate the procedure's does not take off.
-            turns = replace(turns, earth=2.0 * turns.earth - mistake.place.earth)
+            earth = turns.earth + self.place.earth - mistake.place.earth
+            turns = replace(turns, earth=earth)
         misfit = turns.misfit(triad_of(nominal_of(self.held)))
         shift = _across(turns) @ misfit - base
         z = np.linalg.solve(root, shift)
@@ -299,7 +315,7 @@ class RotationRun:
         """What it looks like if it is not sound; None where no known mistake fits.
 
         Those of the least misfit at the nominal values are solved; of these the least
-        are held against the covariance.
+        are held against the covariance, with all that leave as little.
         """
         if self.is_sound:
             return None
@@ -312,11 +328,12 @@ class RotationRun:
         tried = []
         for one in likely:
             turns = self._turns(one)
-            found, is_found = turns.solve(self.held)
+            turns, found, is_found = turns.solve(self.held)
             if is_found:
                 tried.append((float(np.linalg.norm(turns.misfit(found))), one))
         tried.sort(key=lambda each: each[0])
-        found_ = [(*self.fit(one), one) for _, one in tried[:CLOSE]]
+        most = max((size for size, _ in tried[:CLOSE]), default=0.0) * (1.0 + EQUAL)
+        found_ = [(*self.fit(one), one) for size, one in tried if size <= most]
         return likeliest(self.prior.value, found_)
 
 

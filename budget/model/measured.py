@@ -3,9 +3,11 @@
 Between two dwells the attitude is followed sample by sample, C' = exp(-[w t]x) C with
 w what the gyro shows less the earth rate there; at a dwell it is leaned to where the
 calibrated accelerometers see down. Heading is that of the first dwell and what the
-gyro has followed since. For the weights samples are joined to steps of 15 deg at the
-most, each the rotation vector of its samples' product: what its axis does within a step
-is in the angle, and no error of the estimate, which is of the samples themselves.
+gyro has followed since; where nobody knows that of the first, the horizontal earth rate
+is found with the parameters, as two more. For the weights samples are joined to steps
+of 15 deg at the most, each the rotation vector of its samples' product: what its axis
+does within a step is in the angle, and no error of the estimate, which is of the
+samples themselves.
 """
 
 from __future__ import annotations
@@ -139,9 +141,9 @@ class MeasuredTurn:
     start : float
         [s].
     lengths : ndarray, shape (n,)
-        Of each sample [s].
+        Of each sample, or of each turn about an axis that stays [s].
     rates : ndarray, shape (3, n)
-        [rad/s].
+        Means over these [rad/s].
     """
 
     first: int
@@ -214,6 +216,8 @@ class FollowedTurns:
         As `sensitivities` has them.
     slope : ndarray, shape (rows, 12)
         J, of F by errors of parameters.
+    level : ndarray, shape (rows, 2), or (rows, 0)
+        The same of F by the earth rate to east and north that nobody knows [s].
     """
 
     dwells: tuple[Window, ...]
@@ -223,6 +227,7 @@ class FollowedTurns:
     by_rate: Array
     by_direction: Array
     slope: Array
+    level: Array
 
     @property
     def windows(self) -> tuple[Window, ...]:
@@ -254,7 +259,9 @@ class MeasuredTurns:
         Mean rates of the dwells [rad/s].
     turns : tuple of MeasuredTurn
     earth : ndarray, shape (3,)
-        Earth rate, east-north-up [rad/s].
+        Earth rate that is known, or has been found, east-north-up [rad/s].
+    knows_azimuth : bool
+        Whether the horizontal part is known.
     """
 
     dwells: tuple[Window, ...]
@@ -262,6 +269,7 @@ class MeasuredTurns:
     still: Array
     turns: tuple[MeasuredTurn, ...]
     earth: Array
+    knows_azimuth: bool = True
 
     @cached_property
     def lengths(self) -> Array:
@@ -279,8 +287,7 @@ class MeasuredTurns:
             if turn is not None:
                 start = turn.start
                 own = found.shown(turn.rates).T
-                for first, end, product in _steps(own, turn.lengths, C, self.earth):
-                    length = float(turn.lengths[first:end].sum())
+                for length, product in _steps(own, turn.lengths, C, self.earth):
                     yield _TracedStep(
                         attitude=C,
                         start=start,
@@ -327,11 +334,13 @@ class MeasuredTurns:
         lengths[is_dwell] = self.lengths
         attitudes = np.array([one.attitude for one in steps])
         rates = vectors / lengths[:, None]
-        rates += mean_rotation(-vectors) @ attitudes @ self.earth
+        means = mean_rotation(-vectors) @ attitudes
+        rates += means @ self.earth
         rates[is_dwell] = found.shown(self.still).T
         by_rate, by_direction = sensitivities(lengths, vectors, self.down, tuple(legs))
         value = np.column_stack([found.response, found.bias])
         slope = np.einsum("rwi,wip->rp", by_rate, shown_of_errors(rates, value))
+        unknown = means[..., : 0 if self.knows_azimuth else 2]
         return FollowedTurns(
             dwells=self.dwells,
             steps=tuple(steps),
@@ -340,37 +349,43 @@ class MeasuredTurns:
             by_rate=by_rate,
             by_direction=by_direction,
             slope=slope,
+            level=np.einsum("rwi,wij->rj", by_rate, unknown),
         )
 
-    def solve(self, held: Held) -> tuple[CalibratedTriad, bool]:
+    def solve(self, held: Held) -> tuple[MeasuredTurns, CalibratedTriad, bool]:
         """Return the least squares of F from the nominal values, and whether found.
 
-        Steps of Gauss and Newton, with the attitudes followed anew in each.
+        Before them the same turns with the earth rate that is found. Steps of Gauss and
+        Newton, with the attitudes followed anew in each.
         """
         p = nominal_of(held)
         first = triad_of(p)
         places = held.estimated
-        size = np.where(places < 9, 1.0, 1.0 / self.lengths.max())  # noqa: PLR2004
+        turns, longest = self, self.lengths.max()
+        size = np.where(places < 9, 1.0, 1.0 / longest)  # noqa: PLR2004
         for _ in range(STEPS):
-            now = self.follow(triad_of(p))
-            J = now.slope[:, places] * size
+            now = turns.follow(triad_of(p))
+            J = np.hstack([now.slope[:, places] * size, now.level / longest])
+            found = np.linalg.lstsq(J, now.misfit)[0]
+            level = found[len(places) :] / longest
+            turns = replace(
+                turns, earth=turns.earth + np.pad(level, (0, 3 - len(level)))
+            )
             step = np.zeros(12)
-            step[places] = size * np.linalg.lstsq(J, now.misfit)[0]
+            step[places] = size * found[: len(places)]
             step[:3] *= p[:3]
             p = p - step
             if not np.isfinite(p).all() or (np.abs(p[:3] - 1.0) > FAR).any():
-                return first, False
+                return self, first, False
             if (np.abs(step[places]) <= DONE * np.maximum(size, DEG_PER_HOUR)).all():
-                return triad_of(p), True
-        return triad_of(p), bool((np.abs(step[places]) <= 1e-6 * size).all())
+                return turns, triad_of(p), True
+        is_found = bool((np.abs(step[places]) <= 1e-6 * size).all())
+        return turns, triad_of(p), is_found
 
     def scaled(self, undone: Array) -> MeasuredTurns:
         """Return the same with readings multiplied by a matrix, (3, 3)."""
-        turns = []
-        for one in self.turns:
-            lengths, rates = _in_parts(one.lengths, undone @ one.rates)
-            turns.append(replace(one, lengths=lengths, rates=rates))
-        return replace(self, still=undone @ self.still, turns=tuple(turns))
+        turns = tuple(replace(one, rates=undone @ one.rates) for one in self.turns)
+        return replace(self, still=undone @ self.still, turns=turns)
 
 
 def nominal_of(held: Held) -> Array:
@@ -386,20 +401,28 @@ def triad_of(p: Array) -> CalibratedTriad:
 
 def _steps(
     rates: Array, lengths: Array, C: Array, earth: Array
-) -> list[tuple[int, int, Array]]:
-    """Return parts of a turn, none over STEP, with the product of each, (3, 3)."""
-    found = []
-    first, angle, product = 0, 0.0, np.eye(3)
+) -> Iterator[tuple[float, Array]]:
+    """Yield length and product, (3, 3), of parts of a turn, none over STEP.
+
+    Of a turn about an axis that stays the earth rate is taken off as its mean is, by
+    the way that it takes through the body.
+    """
+    length, angle, product = 0.0, 0.0, np.eye(3)
     sizes = np.linalg.norm(rates, axis=1) * lengths
-    for k, (rate, length) in enumerate(zip(rates, lengths.tolist(), strict=True)):
-        if k > first and angle + sizes[k] > STEP:
-            found.append((first, k, product))
-            first, angle, product = k, 0.0, np.eye(3)
-        R = _small_rotation(-(rate - C @ earth) * length)
-        product, C = R @ product, R @ C
-        angle += sizes[k]
-    found.append((first, len(rates), product))
-    return found
+    parts = np.maximum(1, np.ceil(sizes / STEP)).astype(int)
+    for rate, whole, size, n in zip(
+        rates, lengths.tolist(), (sizes / parts).tolist(), parts.tolist(), strict=True
+    ):
+        mean = mean_rotation(-rate * whole) if n > 1 else np.eye(3)
+        own = (rate - mean @ C @ earth) * (whole / n)
+        for _ in range(n):
+            if length and angle + size > STEP:
+                yield length, product
+                length, angle, product = 0.0, 0.0, np.eye(3)
+            R = _small_rotation(-own)
+            product, C = R @ product, R @ C
+            length, angle = length + whole / n, angle + size
+    yield length, product
 
 
 def _small_rotation(v: Array) -> Array:
@@ -461,7 +484,6 @@ def turns_of_rows(
                 f"window {k + 1} ({windows[k].name}) turns by {angles.max():.3g} rad, "
                 f"expected {MOST_TURNED:g} at the most; is its unit the right one?"
             )
-        lengths, own = _in_parts(lengths, own)
         found.append(
             MeasuredTurn(
                 first=number,
@@ -472,10 +494,3 @@ def turns_of_rows(
             )
         )
     return still, tuple(found)
-
-
-def _in_parts(lengths: Array, rates: Array) -> tuple[Array, Array]:
-    """Return samples, (n,) and (3, n), in equal parts of STEP at the most."""
-    angles = np.linalg.norm(rates, axis=0) * lengths
-    parts = np.maximum(1, np.ceil(angles / STEP)).astype(int)
-    return np.repeat(lengths / parts, parts), np.repeat(rates, parts, axis=1)

@@ -7,7 +7,8 @@ steps. With w^ less the earth rate of the nominal attitudes, what is left,
     u_(k+1) - Phi u_k from dwell to dwell,    L w^ of a dwell of length L,
 
 is F, all angles: its least squares give the parameters (Tedaldi, Pretto and
-Menegatti 2014, whose bias is that of the dwells). To first order dF is that of errors
+Menegatti 2014, whose bias is that of the dwells); where nobody knows the azimuth they
+give the horizontal earth rate too, as two more. To first order dF is that of errors
 dw of the rates and du of the directions,
 
     du_(k+1) - Phi du_k + theta x u_(k+1),    theta = sum Phi(to the end) H dw t,

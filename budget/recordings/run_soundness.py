@@ -184,6 +184,7 @@ def _nominal_rotation(gyro: Sensor, procedure: Procedure) -> RotationRun | None:
             still=rates[:, still],
             turns=turns,
             earth=procedure.place.earth,
+            knows_azimuth=procedure.place.azimuth is not None,
         ),
     )
 

@@ -13,7 +13,6 @@ from budget.errors import CallError
 from budget.inputs.records import Sensor
 from budget.model.measured import MeasuredTurns
 from budget.model.norm import NormScheme
-from budget.model.rotation import RotationScheme
 from budget.model.source import GYRO, SENSORS
 from budget.names import AXES
 from budget.recordings.columns import COUNTS, LIKE
@@ -150,9 +149,9 @@ class RunTriad:
         if isinstance(self.scheme, NormScheme):
             g = float(np.linalg.norm(self.scheme.gravity))
             return np.asarray(np.linalg.norm(self.shown, axis=0)[None] - g)
-        if isinstance(self.scheme, RotationScheme):
-            still = self.scheme.schedule.senses == 0.0
-            return np.asarray(self.shown - self.scheme.standing[still].T)
+        if self.turns is not None:
+            left = self.turns.misfit(self.found)[-self.readings.size :]
+            return np.asarray(left.reshape(-1, 3).T / self.turns.lengths)
         true = self.found.response @ self.inputs.T + b
         if self.scheme.orders and self.found.higher is not None:
             K_p = self.found.higher.reshape(-1, 3)
@@ -272,12 +271,13 @@ def with_gyro(
         still=read.means[GYRO],
         turns=read.turns,
         earth=there.place.earth,
+        knows_azimuth=there.place.azimuth is not None,
     )
     if not np.isfinite(turns.still).all():
         raise CallError(sentence("calibrations.no_moves"))
     every = np.hstack([turns.still, *(one.rates for one in turns.turns)])
     _check_connected(GYRO, every)
-    found, is_found = turns.solve(held)
+    turns, found, is_found = turns.solve(held)
     there = replace(there, windows=turns.follow(found).windows)
     schemes = schemes_of([sensors[GYRO], norm.sensor], there)
     still = RunTriad(

@@ -210,15 +210,16 @@ class SimulatedRun(SimulatedReadings):
 
     def _readings(self) -> Iterator[tuple[RunStep, Samples, list[Array]]]:
         """Yield step after step its samples and the readings of each triad, (3, n)."""
-        triads = list(self._triads())
+        triads, last = list(self._triads()), 0
         for step in self.steps:
+            last = last if step.place is None else step.place
             n = self._count(step)
             dt = step.window.length / n
             at = Samples(n=n, dt=dt, first=step.window.start + dt / 2.0)
             found = []
             for one in triads:
                 kind = one.sensor.kind
-                readings = one.readings(step, at, self.turn_ons[kind], self.place)
+                readings = one.readings(step, at, self.turn_ons[kind], self.place, last)
                 for blunder in self.blunders:
                     mistake = replace(blunder.mistakes[kind], order=())
                     readings = mistake.done(readings)
@@ -283,26 +284,30 @@ class _DrawnTriad:
     known: Mapping[str, ErrorLine]
 
     def readings(
-        self, step: RunStep, at: Samples, tested: TurnOn, place: Place
+        self, step: RunStep, at: Samples, tested: TurnOn, place: Place, last: int
     ) -> Array:
-        """Return what it reads in a step, (3, n) [unit of the input]."""
+        """Return what it reads in a step, (3, n) [unit of the input].
+
+        What is between windows is where the last of them was, on a table as it is.
+        """
         window = step.window
         turning = window.setting.turning
         schedule = self.scheme.schedule
         is_window = step.place is not None
-        place_ = -1 if step.place is None else step.place
         table = TableState(
-            turn=schedule.turns.get(place_),
-            stop=schedule.stops.get(place_, 0),
+            turn=schedule.turns.get(last) if is_window else None,
+            stop=schedule.stops[last],
             turning=None if turning is None else OUTER - turning,
             angle=window.setting.angle,
             length=window.length,
             place=place,
             timing=self.scheme.timing,
         )
-        for one in self.drawn if is_window else ():
+        drawn = table
+        for one in self.drawn:
             if isinstance(one.effect, Disturbance):
-                table = one.effect.table(one.value, table)
+                drawn = one.effect.table(one.value, drawn)
+        table = drawn if is_window else replace(table, place=drawn.place)
         where = SampledWindow(window=window, table=table, samples=at, known=self.known)
         found = reading_of(self.sensor, tested, self.drawn, where)
         K = (1.0 + tested.k)[:, None] * table.pace

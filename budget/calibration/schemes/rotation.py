@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from budget.model.windows import Schedule
 
 CONTINUOUS = 1e-9  # what an attitude that a turn leads to may be off by [1]
+# Found with the parameters where nobody knows the azimuth.
+LEVEL = "the earth rate to the east", "the earth rate to the north"
 
 
 def legs_of(gyro: Schedule, accelerometer: Schedule) -> tuple[RotationLeg, ...]:
@@ -94,12 +96,12 @@ def scheme_by_rotation(
     J = np.einsum("rwi,wip->rp", by_rate, shown)
     estimated = held.estimated
     names = [parameters_of("gyro")[k] for k in estimated]
-    size = np.where(
-        [name.quantity == "bias" for name in names], 1.0 / schedule.lengths.max(), 1.0
-    )
-    if mixed := not_told_apart(
-        J[:, estimated] * size, [n.without_owner for n in names]
-    ):
+    longest = schedule.lengths.max()
+    size = np.where([name.quantity == "bias" for name in names], 1.0 / longest, 1.0)
+    unknown = LEVEL if procedure.place.azimuth is None else ()
+    level = np.einsum("rwi,wij->rj", by_rate, schedule.to_body[..., : len(unknown)])
+    found = np.hstack([J[:, estimated] * size, level / longest])
+    if mixed := not_told_apart(found, [*(n.without_owner for n in names), *unknown]):
         raise CallError(
             f"{procedure.name}, gyro: the turns between these dwells cannot tell "
             f"apart: {mixed}. A turn shows in the directions of gravity only where it "
@@ -107,7 +109,7 @@ def scheme_by_rotation(
             "or hold a parameter (estimate: names the others)"
         )
     W = np.zeros((12, len(J)))
-    W[estimated] = np.linalg.pinv(J[:, estimated] * size) * size[:, None]
+    W[estimated] = np.linalg.pinv(found)[: len(estimated)] * size[:, None]
     others = np.setdiff1d(np.arange(12), estimated)
     from_held = np.zeros((12, 12))
     from_held[:, others] = -W @ J[:, others]

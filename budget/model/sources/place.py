@@ -133,7 +133,8 @@ class UnknownAzimuth(Disturbance):
     means 0, variances w_h^2/2, no covariance, arcsine each. By hand the unit is put
     down anew at each stop, so that a is independent from stop to stop; windows one
     after the other at the same angles are one. Where azimuths are right among one
-    another and their zero alone is not known, `is_one`, there is one a in all.
+    another and their zero alone is not known, `is_one`, there is one a in all, which
+    who finds a gyro by turns between dwells finds with its parameters.
 
     At 34.2394 deg 8.792418 deg/h; of six faces, each its stop, a third of that in a
     bias: four of six windows have the axis level.
@@ -142,6 +143,7 @@ class UnknownAzimuth(Disturbance):
     needs: ClassVar[str] = "sources.level_gyro"
     formula: ClassVar[str] = "u^2 = (omega cos phi)^2/2"
     letters: ClassVar[str] = "sources.unknown_azimuth"
+    removed_by_norm = "sources.norm"
 
     is_one: bool = False
 

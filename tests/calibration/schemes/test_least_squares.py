@@ -143,6 +143,15 @@ def test_responses_are_those_of_the_paper_where_the_windows_are():
     assert_allclose(ours[:, 3], 1.0 / 12.0, rtol=1e-12)
 
 
+def by_heading(plan, schedule, axis):
+    """Return w_h^2/2 of what an axis has of the horizontal, alike in one stop."""
+    if not plan.azimuth:
+        return 0.0
+    level = schedule.to_body[:, axis, :2]
+    stop = np.array([*schedule.stops.values()])
+    return plan.place.horizontal**2 / 2.0 * (level @ level.T) * (stop == stop[:, None])
+
+
 @pytest.mark.parametrize("owner", ["gyro", "accelerometer"])
 @pytest.mark.parametrize("name", OF_BOTH)
 def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
@@ -169,9 +178,10 @@ def test_weighted_is_the_best_linear_unbiased_estimator(owner, name):
                 sigma=PAPER_ACCELEROMETER["bias_stability"], correlation_time=tau
             ),
         )
-    C = sum(part.reduce(best.schedule, np.eye(len(A))) for part in parts)
-    bound = np.linalg.inv(A.T @ np.linalg.solve(C, A))
+    noise = sum(part.reduce(best.schedule, np.eye(len(A))) for part in parts)
     for axis in range(3):
+        C = noise + by_heading(plan, best.schedule, axis) * (owner == "gyro")
+        bound = np.linalg.inv(A.T @ np.linalg.solve(C, A))
         W, V = best.weights[axis] * scale, plain.weights[axis] * scale
         assert_allclose(W @ A, np.eye(4), rtol=0, atol=1e-12)
         assert_allclose(W @ C @ W.T, bound, rtol=1e-9, atol=1e-9 * bound.max())

@@ -252,7 +252,7 @@ def test_a_table_is_no_error_but_by_the_earth_rate():
     An azimuth that is a off makes the bias of the level axes w_h a at the most.
     """
     off = ("turn_angle", "positioning", "levelling.east", "azimuth")
-    plan = load_procedure(SHIPPED)
+    plan = replace(load_procedure(SHIPPED), azimuth="")
     askew = replace(plan, station=tuple(line(name, [360.0 * ARCSEC]) for name in off))
     pair = unit(np.random.default_rng(5), 1e-3)
     law = propagate(calibration_problem(pair, askew))
