@@ -19,7 +19,8 @@ from budget.model.response import tilt_matrix
 from budget.model.rotation import rotation
 from budget.model.windows import Setting, Window
 from budget.recordings import calibrate as module
-from budget.recordings.calibrate import calibrate, unseen_mistakes
+from budget.recordings.calibrate import calibrate
+from budget.recordings.run_soundness import unseen_mistakes
 from budget.recordings.simulated_run import simulated_run
 
 BY_HAND = "norm-and-turns-by-hand"
