@@ -316,6 +316,8 @@ function unitWords({ size, unit, isPrinted }) {
   return unit === "1" ? (size === 1 ? "× u" : "(u)") : `${unit} (u)`;
 }
 
+const MEASURED = "calibration.result";  // of a recorded run, in the place of a prediction
+
 /** A row of a source: its name, a slider, a field with its size, and what asks for the largest that meets. */
 function makeControl(model, source, { change, finish, start, ask }) {
   const given = givenAs(source);
@@ -326,6 +328,7 @@ function makeControl(model, source, { change, finish, start, ask }) {
   const field = make("input", {
     type: "text", inputmode: "decimal", autocomplete: "off",
     "aria-label": given.isPrinted ? word("{source}, specification value in {unit}", { source: source.title, unit: given.unit })
+      : source.name === MEASURED ? word("{source}, times its uncertainty", { source: source.title })
       : word("{source}, standard uncertainty in {unit}", { source: source.title, unit: given.unit }),
   });
   const times = make("span", { class: "times" });
@@ -665,11 +668,14 @@ function makeHandOut(model) {
     const said = changeWords(model, factors);
     const rest = changeWords({ sources: elsewhere.map(({ source }) => source) }, elsewhere.map(({ factor }) => factor));
     words.textContent = said ? word("Changed: {said}.", { said }) : word("Nothing is changed.");
-    if (!model.device) words.append(word(" No file says all of this device: it is changed by --set."));
+    const isMeasured = changesOf(model, factors).some(({ source }) => source.name === MEASURED);
+    if (isMeasured) words.append(word(" What a run measured is in no file: another run would have to measure it."));
+    else if (!model.device) words.append(word(" No file says all of this device: it is changed by --set."));
     else if (rest) words.append(word(" Not a specification of the device, change it where it stands: {rest}.", { rest }));
     device.area.value = (said ? `${word("# Changed by what-if: {said}", { said })}\n` : "") + text;
     const isElsewhere = elsewhere.length && model.device;
-    command.area.value = (isElsewhere ? model.command_of_file : changedCommand(model, factors))
+    command.area.value = isMeasured ? word("No command says it.")
+      : (isElsewhere ? model.command_of_file : changedCommand(model, factors))
       || word("No command says it: a changed specification has several numbers, or is none of the device. Change it in its file.");
   };
   return { place, update };

@@ -48,7 +48,7 @@ FITS = 1e-6  # that a run with a mistake has at the least [1]
 TOLD_APART = 9.2  # in -2 ln L: a hundred times as likely
 # What nothing is given of is known to this: of a relative scale factor, an angle [rad],
 # a bias over the largest input [1].
-WIDE = {"scale_factor": 0.5, "mounting_angle": 0.2, "bias": 1.0}
+WIDE = {"scale_factor": 0.1, "mounting_angle": 0.2, "bias": 1.0}
 LEAST_U = 1e-12  # of what is known exactly, over the same
 ROUNDING = 1e-13  # of a correlation [1]
 EQUAL = 1e-9  # of the largest input, below which inputs are the same [1]

@@ -233,15 +233,29 @@ class RotationRun:
             degrees_of_freedom=len(z) - int((~known).sum()) - of.level.shape[1],
         )
 
-    def residual_u(self) -> Array:
-        """Return standard uncertainties of what is left in dwells, (3, n) [rad/s]."""
+    @cached_property
+    def _left_u(self) -> Array:
+        """Standard uncertainties of what least squares leaves of F, (m,)."""
         of = self._solved
         J = of.fitted(self.held)
         size = np.linalg.norm(J, axis=0)
         R = np.eye(len(J)) - (J / size) @ np.linalg.pinv(J / size)
-        u = np.sqrt(np.maximum(np.diag(R @ of.covariance @ R.T), 0.0))
+        return np.asarray(np.sqrt(np.maximum(np.diag(R @ of.covariance @ R.T), 0.0)))
+
+    def residual_u(self) -> Array:
+        """Return standard uncertainties of what is left in dwells, (3, n) [rad/s]."""
         n = len(self.turns.dwells)
-        return np.asarray(u[-3 * n :].reshape(n, 3).T / self.turns.lengths)
+        own = self._left_u[-3 * n :].reshape(n, 3).T
+        return np.asarray(own / self.turns.lengths)
+
+    def of_turns(self) -> tuple[Array, Array]:
+        """Return what is left after each turn across gravity, and its u, (n, 2) [rad].
+
+        Down as the gyro has it, less as the accelerometers see it, the other way.
+        """
+        n = 2 * len(self.turns.turns)
+        left, u = (x[:n].reshape(-1, 2) for x in (self._solved.misfit, self._left_u))
+        return left, u
 
     @cached_property
     def is_sound(self) -> bool:

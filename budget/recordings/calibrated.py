@@ -264,6 +264,32 @@ class RunWindow(Documented):
 
 
 @written(
+    "run_turn",
+    """
+    first: number of the rest that it begins at, from 1
+    last: that it ends at
+    start [s]: since the first window began
+    length [s]
+    turned [deg]: on its way, by the calibrated gyro
+    residual (list[float]) [arcsec]: down by the accelerometers less down by the gyro
+      after it, in two directions across gravity
+    z (list[float]) [1]: over its standard uncertainty
+    """,
+)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunTurn(Documented):
+    """A turn between two rests that a gyro is found by; in printed units."""
+
+    first: int
+    last: int
+    start: float
+    length: float
+    turned: float
+    residual: Array
+    z: Array
+
+
+@written(
     "run_chi_square",
     """
     sensor
@@ -394,6 +420,7 @@ class PassedOver(Documented):
     covariance (list[list[float]]) [units of the outputs]
     matrix by sensor as compensation_matrix
     windows
+    turns as run_turn: that the gyro of a test by hand is found by; empty of any other
     chi_square: of what least squares leaves of the readings
     prior: of the readings against nominal values and tolerances
     looks_like
@@ -434,6 +461,7 @@ class RecordedCalibration(Documented):
     covariance: tuple[tuple[float, ...], ...] = field(repr=False)
     matrix: tuple[CompensationMatrix, ...]
     windows: tuple[RunWindow, ...]
+    turns: tuple[RunTurn, ...]
     chi_square: tuple[RunChiSquare, ...]
     prior: tuple[RunChiSquare, ...]
     looks_like: tuple[Suspicion, ...]

@@ -283,7 +283,9 @@ class Document:
 
     @property
     def running_head(self) -> str:
-        """The verdict on every printed page."""
+        """The verdict on every printed page; it may begin with the title."""
+        if self.headline.startswith(self.title):
+            return self.headline
         return say("{title}: {headline}", title=self.title, headline=self.headline)
 
 

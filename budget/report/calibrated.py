@@ -7,7 +7,9 @@ from itertools import groupby
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
-from budget.model.sources import ENVIRONMENT, STATION
+import numpy as np
+
+from budget.model.sources import ENVIRONMENT, GYRO, SENSORS, STATION
 from budget.names import AXES, PARAMETERS, Name
 from budget.report.document import json_text
 from budget.report.figures.rows import (
@@ -28,7 +30,7 @@ from budget.report.tables import DASH, print_given
 from budget.version import __version__
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from types import SimpleNamespace
 
     from budget.arrays import Array
@@ -46,6 +48,7 @@ COMMAND = "budget calibrate"
 FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [1]
 MOST_SAID = 3  # values that are far off, in a headline
 MOST_DIGITS = 12
+MOST_ROWS = 40  # of residuals, in one drawing
 KNOWN = 1e6  # degrees of freedom, from which k is that of a normal law to 1e-5
 PAGE = "figures_calibrated"
 WHOLE, SHORT = "%.7g", "%.2g"
@@ -88,7 +91,7 @@ def printed_output(row: CalibratedOutput) -> PrintedOutput:
         printed=f"{value:.{decimals}f}",
         exact=value,
         expanded=print_given(expanded, digits=2),
-        nu="" if nu >= KNOWN else print_given(nu, digits=2),
+        nu="inf" if nu >= KNOWN else print_given(nu, digits=2),
         as_found=""
         if error is None
         else f"{round(error, decimals) + 0.0:+.{decimals}f}",
@@ -107,6 +110,7 @@ class Pull:
     name: Name | None = None  # of a value
     window: int = 0  # of a residual
     said: str = ""  # the window's name
+    last: int = 0  # the window that a turn ends at
 
     @property
     def size(self) -> float:
@@ -239,7 +243,7 @@ def calibrate_document(
     found: RecordedCalibration, *, date: str, command_line: str = COMMAND
 ) -> Document:
     """Put it into one document: a certificate."""
-    pulls, residuals = pull_chart(found), residual_chart(found)
+    pulls = pull_chart(found)
     windows: dict[str, list[tuple[object, list[str], str, str]]] = {}
     for one in found.windows:
         row = (
@@ -252,8 +256,12 @@ def calibrate_document(
     return document(
         "calibrate_page",
         picture=None if pulls is None else chart_picture(pulls),
-        residuals=None if residuals is None else chart_picture(residuals),
+        residuals=[chart_picture(one) for one in residual_charts(found)],
         windows=windows,
+        turns=[
+            (one, _listed(one.residual, "+.3g"), _listed(one.z, "+.1f"))
+            for one in found.turns
+        ],
         spans=[f"{a.start:.2f} to {a.end:.2f} s" for a in found.passed_over],
         parts={
             one.sensor: [
@@ -317,31 +325,41 @@ def pull_chart(found: RecordedCalibration) -> Chart | None:
     return _chart("pulls", rows)
 
 
-def residual_chart(found: RecordedCalibration) -> Chart | None:
-    """Show the largest residual of each window; None where nothing says its size."""
-    rows = []
+def residual_charts(found: RecordedCalibration) -> Iterator[Chart]:
+    """Yield the largest residuals of windows and turns, where something says their u.
+
+    Of each triad; of many the farthest.
+    """
+    pulls: dict[tuple[str, bool], list[Pull]] = {}
     for one in found.windows:
         if one.z is None:
             continue
-        sizes = [abs(x) for x in one.z.tolist()]
-        k = sizes.index(max(sizes))
-        rows.append(
-            Pull(
-                sensor=one.sensor,
-                axis=AXES[k],
-                z=float(one.z[k]),
-                window=one.window,
-                said=one.name,
-            )
+        k = int(np.abs(one.z).argmax())
+        own = Pull(
+            sensor=one.sensor,
+            axis=AXES[k] if len(one.z) > 1 else "",  # of a norm
+            z=float(one.z[k]),
+            window=one.window,
+            said=one.name,
         )
-    return _chart("residuals", rows)
+        pulls.setdefault((one.sensor, False), []).append(own)
+    for turn in found.turns:
+        z = float(turn.z[np.abs(turn.z).argmax()])
+        own = Pull(sensor=GYRO, axis="", z=z, window=turn.first, last=turn.last)
+        pulls.setdefault((GYRO, True), []).append(own)
+    for _, rows in sorted(pulls.items(), key=lambda x: SENSORS.index(x[0][0])):
+        least = sorted((one.size for one in rows), reverse=True)[:MOST_ROWS][-1]
+        shown = [one for one in rows if one.size >= least]
+        chart = _chart("residuals", shown, every=len(rows))
+        if chart is not None:
+            yield chart
 
 
-def _chart(name: str, rows: Sequence[Pull]) -> Chart | None:
-    """Draw pulls as rows; None of none."""
+def _chart(name: str, rows: Sequence[Pull], every: int = 0) -> Chart | None:
+    """Draw pulls as rows; None of none. Of so many some may be left out."""
     if not rows:
         return None
-    said, table = figure(PAGE, name, rows=rows)
+    said, table = figure(PAGE, name, rows=rows, every=every)
     most = max(FAR + 1.0, *(1.1 * one.size for one in rows))
     scale = Scale(low=-most, high=most, label=said.axis)
 

@@ -271,6 +271,6 @@ def test_a_nonlinearity_is_no_tolerance_of_a_scale_factor(has_tolerance):
         del errors["scale_factor_repeatability"]
     sheet = {**MEMS, "gyro": {"errors": errors}}
     prior = prior_of(load_device(sheet).gyro, 1.0)
-    u = np.hypot(2000e-6, 100e-6) if has_tolerance else 0.5
+    u = np.hypot(2000e-6, 100e-6) if has_tolerance else 0.1
     assert prior.is_known[:3].tolist() == [has_tolerance] * 3
     assert_allclose(prior.u[:3], u, rtol=1e-12)

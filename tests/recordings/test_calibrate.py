@@ -465,6 +465,27 @@ def test_a_unit_is_not_held_against_what_its_sheet_does_not_say(folder, line, is
     assert found.is_sound is is_sound
 
 
+@pytest.mark.parametrize(
+    ("factor", "name"), [(np.pi / 180.0, "degrees_radians"), (0.4, None)]
+)
+def test_a_unit_without_a_tolerance_is_not_far_from_its_gain(folder, factor, name):
+    """Nothing is known of it to 10 %: radians are named, 40 % of it is not sound."""
+    own = dict(MEMS["gyro"]["errors"])
+    del own["scale_factor_repeatability"]
+    made = simulated_run("mems.yaml", procedure="six.yaml", seed=2, means=True)
+    rows = [x.split(",") for x in "".join(made.csv()).splitlines()]
+    for row in rows[1:]:
+        row[2:5] = [f"{factor * float(x):.9g}" for x in row[2:5]]
+    text = "".join(",".join(row) + "\n" for row in rows)
+    (folder / "off.csv").write_text(text, encoding="utf-8")
+    sheet = {**MEMS, "gyro": {"errors": own}}
+    found = calibrate("off.csv", procedure="six.yaml", device=sheet)
+    assert found.is_sound is False
+    assert [x.mistake.name for x in found.looks_like] == ([name] if name else [])
+    far = [x for x in found.warnings if "by more than half" in str(x)]
+    assert len(far) == 1
+
+
 def test_limits_beside_lower_bounds_are_not_decided(folder):
     """A sheet without in-run bias: U is a lower bound, and nothing meets by it."""
     (folder / "r.yaml").write_text(

@@ -282,6 +282,21 @@ def test_the_poor_unit_of_a_sheet_fails_and_the_good_one_meets(folder):
 
 
 @pytest.mark.slow
+def test_every_unit_stands_in_a_brief_answer(folder, tmp_path):
+    """Beyond the three that are best, too: whoever gives a result asks for it."""
+    (tmp_path / "limits.yaml").write_text(LIMITS, encoding="utf-8")
+    words = ["compare", str(folder / "unit.yaml"), "--procedure", SIX]
+    names = ("first", "second", "third", "fourth")
+    for name in names:
+        one = json.loads((folder / "poor.json").read_text(encoding="utf-8"))
+        own = tmp_path / f"{name}.json"
+        own.write_text(json.dumps({**one, "serial": name}), encoding="utf-8")
+        words += ["--measured", str(own)]
+    found = call(*words, "--requirement", str(tmp_path / "limits.yaml"))
+    assert all(f"(unit {name})" in found.out for name in names)
+
+
+@pytest.mark.slow
 def test_pages_have_what_was_measured(folder, tmp_path):
     """A report of a unit names it, its file and its share; also on a mission."""
     page = tmp_path / "page.html"

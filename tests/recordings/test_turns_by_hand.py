@@ -22,6 +22,7 @@ from budget.recordings import calibrate as module
 from budget.recordings.calibrate import calibrate
 from budget.recordings.run_soundness import unseen_mistakes
 from budget.recordings.simulated_run import simulated_run
+from budget.report.calibrated import residual_charts
 
 BY_HAND = "norm-and-turns-by-hand"
 QUARTER = np.pi / 2.0
@@ -311,6 +312,7 @@ def check_named(found, blunder):
 
 
 @pytest.mark.slow
+<<<<<<< ours
 def test_a_rotation_of_both_triads_is_seen_against_north_alone(folder):
     """It is another body frame: of an azimuth that nobody knows it is no mistake."""
     rotated = ("axes_rotated=yzx",)
@@ -327,3 +329,22 @@ def test_a_rotation_of_both_triads_is_said_not_to_be_shown(azimuth):
     found = unseen_mistakes(load_device(MEMS), how).unseen
     gyro = {x.name: x.probability for x in found if x.sensor == "gyro"}
     assert (gyro.get("axes_rotated", 1.0) < 0.002) == bool(azimuth)
+=======
+def test_turns_stand_in_the_result_and_on_the_page(folder):
+    """All 17, by the angles that they were, with what is left beside its u."""
+    found = found_of(folder, table())
+    turns = found.turns
+    assert [(one.first, one.last) for one in turns] == [
+        (k, k + 1) for k in range(1, 18)
+    ]
+    angles = np.array([one.turned for one in turns])
+    # Half turns mostly; some by way of another axis. A gyro reads them to 1 %.
+    assert_allclose(angles / 45.0, np.rint(angles / 45.0), rtol=0.01)
+    z = np.array([one.z for one in turns])
+    assert 0.3 < np.mean(z**2) < 2.0  # of 34, less what 12 parameters take up
+    charts = [*residual_charts(found)]
+    assert len(charts) == 3
+    titles = [str(one.title) for one in charts]
+    assert titles[1].startswith("Gyro: the turn from rest")
+    assert "axis" not in titles[2]
+>>>>>>> theirs

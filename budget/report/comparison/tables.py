@@ -6,7 +6,6 @@ from collections import Counter
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
-from itertools import islice
 from math import inf
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -120,8 +119,12 @@ class Ranking:
         return [row for row in self.decided if not row.saturates]
 
     def first(self, most: int) -> list[SimpleNamespace]:
-        """Return the first that can be judged; no more are written than it takes."""
-        return [*map(row_of, islice(filter(_is_decided, self.devices), most))]
+        """Return the first that can be judged, and units that were measured.
+
+        No more are written than it takes.
+        """
+        decided = enumerate(filter(_is_decided, self.devices))
+        return [row_of(one) for k, one in decided if k < most or one.measured]
 
     @property
     def subject(self) -> str:
