@@ -119,8 +119,7 @@ def _uniform(p: Array) -> Array:
 
 def _triangular(p: Array) -> Array:
     """JCGM 101:2008, 6.4.5."""
-    tail = np.minimum(p, 1.0 - p)
-    return np.copysign(1.0 - np.sqrt(2.0 * tail), p - 0.5) * sqrt(6.0)
+    return np.copysign(1.0 - np.sqrt(2.0 * np.minimum(p, 1.0 - p)), p - 0.5) * sqrt(6.0)
 
 
 def _arcsine(p: Array) -> Array:

@@ -389,6 +389,14 @@ class Problem:
             for end, group in zip(ends, self.groups, strict=True)
         )
 
+    @property
+    def input_covariance(self) -> Array:
+        """U_x of all inputs, shape (n_in, n_in)."""
+        found = np.zeros((self.n_inputs, self.n_inputs))
+        for group, rows in zip(self.groups, self.slices, strict=True):
+            found[rows, rows] = group.covariance
+        return found
+
     @cached_property
     def arguments(self) -> tuple[slice, ...]:
         """Rows of the function's argument that each group is added to."""

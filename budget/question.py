@@ -683,8 +683,7 @@ class Question:
         if self.journey is not None:
             every = mission_outputs(self.journey, self.carried_to or ())
             asked = every if self.asked is None else self.asked
-            own = on_mission(limited, self.journey)
-            return tuple(dict.fromkeys((*asked, *own)))
+            return tuple(dict.fromkeys((*asked, *on_mission(limited, self.journey))))
         return outputs_for(
             [sensor.kind for sensor in self.sensors],
             self.procedure,
@@ -1118,10 +1117,9 @@ def source_names(
     Those of sensors first, then those that all triads share.
     """
     shared = () if procedure is None else SHARED
-    owners = [*(sensor.kind for sensor in sensors), *shared]
     return tuple(
         Name(line.name, owner=owner)
-        for owner in owners
+        for owner in [*(sensor.kind for sensor in sensors), *shared]
         for line in lines_of(owner)
         if line.may_vary
     )

@@ -320,8 +320,7 @@ def parse_quantity(
     if size is None or size.dimension != _dimension(like):
         raise UnitError(_explain_unit(text, number, unit, kind, size))
     # In decimal, so that 95 % is 0.95 to the last bit and 20 ppm is 2e-5.
-    printed = Decimal(repr(float(number)))
-    value = float(printed * Decimal(repr(size.si_per_unit)))
+    value = float(Decimal(repr(float(number))) * Decimal(repr(size.si_per_unit)))
     vanished = value == 0.0 and re.match(r"[^eE]*[1-9]", number)
     if vanished or (value != 0.0 and not _SMALLEST <= abs(value) <= _LARGEST):
         raise UnitError(

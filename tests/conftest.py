@@ -80,7 +80,7 @@ def pytest_collection_modifyitems(items) -> None:
 
 
 # Who draws the figures of every kind of report.
-PAGES = ("analysis.build", "comparison.page", "allocation.page")
+PAGES = ("analysis.build", "comparison.page", "allocation")
 PAGES = (*(f"budget.report.{page}" for page in PAGES), "zhao_2019.page")
 DRAWN: dict = {}
 

@@ -179,14 +179,13 @@ def mission_problem(
         )
         for name, C in of_aiding(journey, only=only)
     )
-    of_aids = arguments((*groups, *aids))[len(groups) :]
     return Problem(
         groups=(*groups, *aids),
         outputs=tuple(_output(name) for name in places.every),
         function=Carried(
             calibration=calibration,
             own=own,
-            noise=(*added, *of_aids),
+            noise=(*added, *arguments((*groups, *aids))[len(groups) :]),
             map=S[places.time, places.row],
         ),
     )
@@ -632,8 +631,7 @@ def noises_of(
                 continue
             parts = []
             for axis in range(len(AXES)):
-                process = effect.process(line, axis, sample_rate)
-                found = process.in_run(sample_rate)
+                found = effect.process(line, axis, sample_rate).in_run(sample_rate)
                 noise = IN_RUN[found.kind](*found.times)
                 row = FIRST[sensor.kind] + axis
                 parts.append(AxisNoise(row=row, noise=noise, u=found.u))

@@ -533,14 +533,11 @@ def _noise_covariance(
     Axis after axis those of W, then axis after axis the others, so that a disturbance
     that needs more of them moves no draws of the first.
     """
-    weights = triad.statistics.weights
-    order = _statistics_order(weights.shape[1])
+    order = _statistics_order(triad.statistics.weights.shape[1])
     covariance = np.zeros((order.size, order.size))
     for axis in range(3 if included and _is_tested(triad) else 0):
-        process = effect.process(given, axis, sample_rate)
-        place = np.ix_(order[axis], order[axis])
-        covariance[place] = triad.statistics.covariance(
-            process, axis, triad.scheme.schedule
+        covariance[np.ix_(order[axis], order[axis])] = triad.statistics.covariance(
+            effect.process(given, axis, sample_rate), axis, triad.scheme.schedule
         )
     return covariance
 
@@ -585,8 +582,7 @@ def line_u_of_inputs(owner: str, line: Given, group: Group) -> Array:
     n, u = len(group.mean), np.abs(line.u)  # a coefficient has a sign
     if isinstance(source_of(owner, line.name).meant(line).effect, Noise):
         found = np.empty(n)
-        order = _statistics_order(n // 3)
-        found[order] = np.broadcast_to(u, (3,))[:, None]
+        found[_statistics_order(n // 3)] = np.broadcast_to(u, (3,))[:, None]
         return found
     if n % u.size == 0 and group.is_independent:
         return np.resize(u, n)
@@ -886,8 +882,7 @@ def _calibration(
                     offsets[quantity] = (*offsets.get(quantity, ()), constant)
             act = row.act_on(triad, effect)
             if act is not None:
-                part = effect.part(triads, number)
-                rows = range(place.start, place.stop)[part]
+                rows = range(place.start, place.stop)[effect.part(triads, number)]
                 acts.append((slice(rows.start, rows.stop), act))
         elif isinstance(effect, TurnOnChange):
             for target, gains in effect.gains(triad.given).items():

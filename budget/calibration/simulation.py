@@ -397,8 +397,7 @@ def reading_of(
     )
     for one in drawn:
         if isinstance(one.effect, Disturbance):
-            added = one.effect.reading(one.value, moment(given=one.given))
-            reading = reading + added
+            reading = reading + one.effect.reading(one.value, moment(given=one.given))
     return np.asarray(reading)
 
 

@@ -76,8 +76,8 @@ def allocate(
     from budget.cli.output import check_files, check_yaml, hand_out, pages_asked
     from budget.inputs import load_costs
     from budget.question import find_sources, sensors_of, source_names
-    from budget.report.allocation.document import allocated_device
-    from budget.report.allocation.page import (
+    from budget.report.allocation import (
+        allocated_device,
         allocation_answer,
         allocation_document,
     )
@@ -111,8 +111,7 @@ def allocate(
         title=allocation.title,
         language=out.language,
     )
-    make = partial(allocation_document, allocation)
-    written = pages_asked(context, out, make)
+    written = pages_asked(context, out, partial(allocation_document, allocation))
     if write is not None and allocation.feasible:
         written[write] = _read_back(allocated_device(allocation), write)
     documents = (

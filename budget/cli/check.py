@@ -145,8 +145,7 @@ def _save(
         raise CallError(
             f"--save {path}: a reference ends in {SUFFIX}; give it that name"
         )
-    read = [*devices, *inputs.files, costs]
-    check_destinations(None, None, path, inputs=read)
+    check_destinations(None, None, path, inputs=[*devices, *inputs.files, costs])
     if not devices:
         talk(
             f"No device given: using the built-in {options.BUILT_IN_DEVICE} "
@@ -224,8 +223,7 @@ def _check(
     from budget.references.files import find_references, named_reference
     from budget.references.store import read_reference
     from budget.report.document import json_of, table_csv
-    from budget.report.reference.document import moved
-    from budget.report.reference.sections import check_document, check_sections
+    from budget.report.reference import check_document, check_sections, moved
 
     checks: list[Difference] = []
     errors: list[str] = []

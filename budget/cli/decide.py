@@ -71,14 +71,13 @@ def decide(
             asked=asked,
             engine=place,
         )
-    make = partial(decision_document, found)
     hand_out(
         (
             (out.json, lambda: json_text(found.to_dict())),
             (out.csv, lambda: table_csv("offer", found.offers)),
         ),
         lambda: decision_answer(found),
-        pages=pages_asked(context, out, make),
+        pages=pages_asked(context, out, partial(decision_document, found)),
         language=out.language,
     )
     if is_partial:

@@ -78,8 +78,7 @@ def diff(
     from budget.references.records import Stored
     from budget.report.calibrated import calibrated_lot_answer, change_answer
     from budget.report.document import json_of, json_text, table_csv
-    from budget.report.reference.document import moved
-    from budget.report.reference.sections import difference_sections
+    from budget.report.reference import difference_sections, moved
 
     names = (first, others[0])
     check_files(out, inputs, (first, *others))

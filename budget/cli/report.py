@@ -267,7 +267,7 @@ def _extras(
     """Yield what was asked for besides: lines for the limits, other devices."""
     from budget.inputs import load_catalogue
     from budget.names import MISSION
-    from budget.report.allocation.page import allocation_section
+    from budget.report.allocation import allocation_section
     from budget.report.analysis.build import Extra
     from budget.report.comparison.page import comparison_sections
     from budget.studies.allocation.allocate import allocate_as

@@ -124,7 +124,6 @@ def station(
         asked=asked,
     )
     written = {} if write is None else {write: station_yaml(found)}
-    make = partial(station_document, found)
     hand_out(
         (
             (out.json, lambda: json_text(found.to_dict())),
@@ -132,7 +131,7 @@ def station(
         ),
         lambda: station_answer(found, full=out.full),
         title=found.title,
-        pages=written | pages_asked(context, out, make),
+        pages=written | pages_asked(context, out, partial(station_document, found)),
         language=out.language,
     )
     if not found.doing:

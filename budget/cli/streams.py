@@ -118,8 +118,7 @@ def without_controls(text: str) -> str:
 
 def in_line(name: object) -> str:
     """Write a name so that it cannot end its line either."""
-    text = without_controls(str(name))
-    return text.replace("\n", "\\n").replace("\t", "\\t")
+    return without_controls(str(name)).replace("\n", "\\n").replace("\t", "\\t")
 
 
 def talk(text: str, *, end: str = "\n") -> None:

@@ -66,8 +66,7 @@ def new_device(
             )
     given = {sensor for sensor, _ in lines}
     text = "\n".join(_text(name, source, lines, given or set(SENSORS))) + "\n"
-    document = parse(text.encode(), shown, base_name=shown)
-    read_device(document)
+    read_device(parse(text.encode(), shown, base_name=shown))
     return text
 
 

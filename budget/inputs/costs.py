@@ -94,8 +94,7 @@ def read_costs(document: YamlFile) -> Costs:
     SpecError
         Every issue of the file.
     """
-    model = check(document, costs_table())
-    parts = vars(model.costs)
+    parts = vars(check(document, costs_table()).costs)
     given = {name: parts[name] for name in _sources() if parts[name] is not None}
     defaults = {"a": "1", "p": "1", "u_ref": "the present value"}
     return Costs(

@@ -587,10 +587,9 @@ class Keyed:
 
     def __init_subclass__(cls) -> None:
         """Put together the rows of the types that it is made of."""
-        own = vars(cls).get("rows", {})
         cls.rows = {
             key: row for base in cls.__bases__[::-1] for key, row in _rows(base).items()
-        } | own
+        } | vars(cls).get("rows", {})
         every = [vars(one).get("rules", ()) for one in cls.__mro__]
         cls.every_rule = tuple(rule for rules in every for rule in rules)[::-1]
 

@@ -188,10 +188,9 @@ def _read(
     else:
         kept = _kept(same.content or b"", document.file, document.base_name, variant)
         device = _copied(kept)
-    texts = tuple(change.text for change in own)
     return replace(
         device,
-        read_again=partial(_read_again, same, texts),
+        read_again=partial(_read_again, same, tuple(change.text for change in own)),
         read_plain=partial(_read_again, same, (), ()),
     )
 
@@ -302,8 +301,7 @@ def uncalibrated(
     procedure = load_procedure()
     if station is not None:
         procedure = done_at(procedure, load_station(station), word)
-    found = without_test(procedure, word)
-    return _used(found, age, environment, word)
+    return _used(without_test(procedure, word), age, environment, word)
 
 
 def load_calibration(

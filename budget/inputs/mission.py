@@ -656,11 +656,10 @@ class MissionPart(Keyed):
     def assumptions(self, end: float) -> tuple[str, ...]:
         """Return what a mission that ends then leaves open, and how it is taken."""
         first = self.first
-        times = ", ".join(f"{time:.12g} s" for time in self.times(end))
         taken = {
             "alignment": PERFECT,
             "altitude": AIDED,
-            "at": times,
+            "at": ", ".join(f"{time:.12g} s" for time in self.times(end)),
             **({"height": "0 m"} if first else {}),
             **({"heading": "0 deg"} if first and not first.heading else {}),
             **({"speed": "0 m/s"} if first and first.move in NEEDED else {}),

@@ -209,8 +209,7 @@ def _estimated(node: Node, gravity: float, read: Any) -> object:  # noqa: ANN401
 
 def _estimable(*more: str) -> ValueKind:
     """Return the kind of what is estimated of one sensor, more than of both."""
-    words = items(one_of(*PARAMETER_WORDS, *more))
-    return or_else(words, _estimated, {"const": ALL})
+    return or_else(items(one_of(*PARAMETER_WORDS, *more)), _estimated, {"const": ALL})
 
 
 class Estimate(Keyed):

@@ -753,7 +753,7 @@ def readings_of(line: Source) -> tuple[tuple[str, ...], ...]:
         "": lambda group: (
             line.axes == AXES
             if group == (PER_AXIS, TOGETHER)
-            else line.over_temperature and _usual_word(line) == group[0]
+            else line.over_temperature and line.stays.replace(" ", "-") == group[0]
         ),
     }
     return tuple(
@@ -767,11 +767,6 @@ def beside_of(line: Source, sensor: str) -> str:
     """Return the line that says the same again, beside that one; '' if none."""
     there = {one.name for one in lines_of(sensor)}
     return next((name for name in line.beside if name in there), "")
-
-
-def _usual_word(line: Source) -> str:
-    """Return what a value is that is not that over temperature: 'in-run', 'turn-on'."""
-    return line.stays.replace(" ", "-")
 
 
 def read_value(

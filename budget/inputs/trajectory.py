@@ -170,8 +170,7 @@ def read_trajectory(path: Path, shown: str) -> Recorded:
         values[name] = np.unwrap(values[name])
     place = values["latitude"], values["longitude"], values["height"]
     track = (*ground(*place), place[2])
-    steps = np.diff(track)
-    speed = np.sqrt(np.sum(steps**2, axis=0)) / np.diff(values["time"])
+    speed = np.sqrt(np.sum(np.diff(track) ** 2, axis=0)) / np.diff(values["time"])
     table.check_speed(speed)
     north, east = (np.gradient(x, values["time"], edge_order=2) for x in track[:2])
     heading = values.get("heading")
@@ -363,8 +362,7 @@ def _aside(heading: Array, v_north: Array, v_east: Array) -> tuple[str, ...]:
         "east": pi / 2.0 - heading,
     }
     fits = (word for word, one in readings.items() if median(one) < WELL_ALONG)
-    text = sentence("trajectory.aside", angle=degrees(angle), fits=next(fits, ""))
-    return (text,)
+    return (sentence("trajectory.aside", angle=degrees(angle), fits=next(fits, "")),)
 
 
 def _lines(data: bytes, shown: str) -> list[str]:
@@ -556,12 +554,11 @@ class _Table:
         Of many rows with one name and what is alike the first alone is said.
         """
         before = self.lines[number].split(",", place)[:place]
-        column = 1 + sum(len(cell) + 1 for cell in before)
         self.issues.setdefault((name, alike or message), []).append(
             Issue(
                 file=self.shown,
                 line=number + 1,
-                column=column,
+                column=1 + sum(len(cell) + 1 for cell in before),
                 field=name,
                 message=message,
             )

@@ -155,8 +155,7 @@ class WindowLine(Keyed):
     def number(self) -> int:
         """How many windows it stands for."""
         faces = len(FACES) if self.face == "all" else 1
-        azimuths = len(self.azimuths or " ")
-        return int(self.repeat * faces * azimuths * (1 + self.back))
+        return int(self.repeat * faces * len(self.azimuths or " ") * (1 + self.back))
 
     def each(self) -> list[WindowLine]:
         """Return a line for each window: face by face, azimuth by azimuth, and back."""

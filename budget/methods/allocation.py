@@ -253,8 +253,7 @@ def grow(
     start = np.where(s > 0.0, s, SMALLEST)
 
     def at(x: float) -> Array:
-        moved = np.clip(start * np.exp(x), task.low, task.high)
-        return np.where(who, moved, s)
+        return np.where(who, np.clip(start * np.exp(x), task.low, task.high), s)
 
     def excess(x: float) -> float:
         largest = task.utilisation(at(x))[counts].max()

@@ -467,8 +467,7 @@ def _effective_degrees_of_freedom(
         for scale in group.scales:
             own = list(scale.rows)
             c, U_x = C[:, rows][:, own], group.covariance[np.ix_(own, own)]
-            variance = np.einsum("ki,ij,kj->k", c, U_x, c)
-            parts += variance**2 / scale.degrees_of_freedom
+            parts += np.einsum("ki,ij,kj->k", c, U_x, c) ** 2 / scale.degrees_of_freedom
     combined = np.diag(first_order) ** 2
     is_few = parts > 0.0
     return np.where(is_few, combined / np.where(is_few, parts, 1.0), np.inf)
@@ -484,8 +483,7 @@ def _few(shapes: tuple[Distribution, ...]) -> Array:
 def _of_shapes(shapes: tuple[Distribution, ...]) -> tuple[Array, Array]:
     """Return skewness and (kurtosis - 3)/4 of some inputs, shape (n,) each [1]."""
     gamma = np.array([shape.skewness for shape in shapes])
-    kurtosis = np.array([shape.kurtosis for shape in shapes])
-    return gamma, (kurtosis - 3.0) / 4.0
+    return gamma, (np.array([shape.kurtosis for shape in shapes]) - 3.0) / 4.0
 
 
 def higher_moments(problem: Problem) -> tuple[Array, Array]:

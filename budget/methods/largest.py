@@ -120,12 +120,10 @@ def sampling_interval(ends: Ends) -> tuple[float, float]:
     near = np.logical_and(_candidates(ends), error > 0.0)
     c = z
     if near.sum() > 1:
-        unit = ends.noise[:, near] / error[near]
-        largest = _noise(unit).max(axis=1)
+        largest = _noise(ends.noise[:, near] / error[near]).max(axis=1)
         c = max(z, float(np.quantile(largest, (1.0 + CONFIDENCE) / 2.0)))
     low = float((ends.value - c * error - ends.bound).max())
-    high = float((ends.value + z * error + ends.bound).max())
-    return max(low, 0.0), high
+    return max(low, 0.0), float((ends.value + z * error + ends.bound).max())
 
 
 def joined(parts: Sequence[Ends]) -> Ends:

@@ -194,8 +194,7 @@ def _solve(
     from scipy.optimize import Bounds, minimize
     from scipy.special import logsumexp, softmax
 
-    scale = prices.each(start)[free].sum()
-    log_c, p = np.log(prices.c[free] / scale), prices.p[free]
+    log_c, p = np.log(prices.c[free] / prices.each(start)[free].sum()), prices.p[free]
 
     def factors(x: Array) -> Array:
         s = start.copy()
@@ -213,8 +212,7 @@ def _solve(
         return np.asarray(-np.log(np.maximum(used, SMALLEST)))
 
     def room_gradient(x: Array) -> Array:
-        gradient = task.log_end_gradient(factors(x))
-        return np.asarray(-gradient[rows][:, free])
+        return np.asarray(-task.log_end_gradient(factors(x))[rows][:, free])
 
     rows = _different(task, start, alike=ALIKE)
     low = np.log(np.maximum(task.low[free], SMALLEST))

@@ -390,9 +390,14 @@ class LikelihoodProfile:
             self.at = best
         return value
 
+    def root(self, place: float) -> float:
+        """Return the root of twice what the profile is short of its top there."""
+        short = 2.0 * (self.fit.log_likelihood + self.cost(place))
+        return sqrt(max(short, 0.0)) if short < BELOW else inf
+
     def end(self, side: int, quantile: float) -> float:
         """Return where the profile is short by a quantile of 2 l, below or above."""
-        start, top = log(self.fit.values[self.name]), self.fit.log_likelihood
+        start = log(self.fit.values[self.name])
         self.at = np.log([self.fit.values[one] for one in self.others])
         # The signed root of twice what is short is nearly linear in the logarithm.
         wanted = sqrt(quantile)
@@ -400,8 +405,7 @@ class LikelihoodProfile:
         step = 0.1
         for _ in range(STEPS):
             place = ends[-1][1] + side * step
-            short = 2.0 * (top + self.cost(place))
-            root = sqrt(max(short, 0.0)) if short < BELOW else inf
+            root = self.root(place)
             ends.append((root, place))
             if root >= wanted:
                 break
@@ -417,8 +421,7 @@ class LikelihoodProfile:
         for _ in range(STEPS):
             part = (wanted - low) / (high - low) if high < inf else 0.5
             place = a + min(max(part, 0.02), 0.98) * (b - a)
-            short = 2.0 * (top + self.cost(place))
-            root = sqrt(max(short, 0.0)) if short < BELOW else inf
+            root = self.root(place)
             if abs(root**2 - quantile) < CLOSE or abs(b - a) < CLOSE:
                 return exp(place)
             if root < wanted:

@@ -56,8 +56,7 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float | Array) ->
     """
     z = normal_coverage_factor(coverage)
     u = law.standard_uncertainty
-    safe = np.where(u > 0.0, u, 1.0)
-    g1, g2 = _shape(problem, law, safe)
+    g1, g2 = _shape(problem, law, np.where(u > 0.0, u, 1.0))
     terms = (
         (z**2 + 1.0) / 6.0 * g1
         + (z**3 + 3.0 * z) / 24.0 * g2
@@ -85,9 +84,7 @@ def end_accuracy(problem: Problem, law: Propagation, coverage: float | Array) ->
 
 def _shape(problem: Problem, law: Propagation, u: Array) -> tuple[Array, Array]:
     """Return bounds of |skewness| and |excess kurtosis|, shape (n_out,) each [1]."""
-    U = np.zeros((problem.n_inputs, problem.n_inputs))
-    for group, rows in zip(problem.groups, problem.slices, strict=True):
-        U[rows, rows] = group.covariance
+    U = problem.input_covariance
     excess = np.concatenate(
         [np.empty(0), *(_excess(group.distributions) for group in problem.groups)]
     )
@@ -134,6 +131,5 @@ def _deviation(problem: Problem, law: Propagation) -> Array:
         expanded = law.value[:, None] + law.C @ dx
         k, i = np.nonzero(law.H.any(axis=2))
         bent = 0.5 * dx[i] * (law.H[k, i] @ dx)
-        of_output = (np.arange(len(expanded))[:, None] == k).astype(float)
-        expanded += of_output @ bent
+        expanded += (np.arange(len(expanded))[:, None] == k).astype(float) @ bent
     return np.asarray(np.abs(y - expanded).max(axis=1))

@@ -64,8 +64,7 @@ def density_at(radius: Array, variances: Array) -> Array:
     a = np.where(variances[0] > 0.0, variances[0], 1.0)
     b = np.maximum(variances[1], LEAST * a)
     bend = ive(0, radius**2 * (a - b) / (4.0 * a * b))
-    found = radius / np.sqrt(a * b) * np.exp(-(radius**2) / (2.0 * a)) * bend
-    return np.asarray(found)
+    return np.asarray(radius / np.sqrt(a * b) * np.exp(-(radius**2) / (2.0 * a)) * bend)
 
 
 def radius_of(coverage: ArrayLike, variances: Array) -> Array:

@@ -116,8 +116,7 @@ class ScaledLaw:
         ends = np.stack([middle + half, np.maximum(middle - half, 0.0)])
         along = normal_coverage_factor(coverage[rows]) * np.sqrt(2.0 * middle)
         there = along > 0.0
-        radius = radius_of(coverage[rows], ends)
-        found[rows[there]] = radius[there] / along[there]
+        found[rows[there]] = radius_of(coverage[rows], ends)[there] / along[there]
         return found
 
     def log_roundness_gradient(self, s: Array, coverage: Array) -> Array:
@@ -212,13 +211,30 @@ class ScaledLaw:
             ellipse=tuple(one.select_sources(sources) for one in self.ellipse),
         )
 
+    def over(self, sources: Sequence[Name]) -> ScaledLaw:
+        """Return the law as one of more sources, of which the others do nothing."""
+        columns = [sources.index(name) for name in self.sources]
+        n_out, n_src = len(self.outputs), len(sources)
+        shift, first = np.zeros((2, n_out, n_src))
+        second = np.zeros((n_out, n_src, n_src))
+        shift[:, columns], first[:, columns] = self.shift, self.first
+        second[np.ix_(range(n_out), columns, columns)] = self.second
+        return replace(
+            self,
+            sources=tuple(sources),
+            shift=shift,
+            first=first,
+            second=second,
+            ellipse=tuple(one.over(sources) for one in self.ellipse),
+        )
+
     def beside(self, other: ScaledLaw) -> ScaledLaw:
         """Return the law of the outputs of both, with a factor on all their sources.
 
         A source of one alone adds nothing to the outputs of the other.
         """
         sources = tuple(dict.fromkeys((*self.sources, *other.sources)))
-        both = _over(self, sources), _over(other, sources)
+        both = self.over(sources), other.over(sources)
         first, second = both
         bent = tuple(one.ellipse or (_nothing(one),) * 2 for one in both)
         is_length = [
@@ -355,24 +371,6 @@ def _derivatives(problem: Problem) -> Expansion:
         for array in (found.value, found.C, found.H)
     )
     return Expansion(value=value, C=C, H=H)
-
-
-def _over(law: ScaledLaw, sources: Sequence[Name]) -> ScaledLaw:
-    """Return a law as one of more sources, of which the others do nothing."""
-    columns = [sources.index(name) for name in law.sources]
-    n_out, n_src = len(law.outputs), len(sources)
-    shift, first = np.zeros((n_out, n_src)), np.zeros((n_out, n_src))
-    second = np.zeros((n_out, n_src, n_src))
-    shift[:, columns], first[:, columns] = law.shift, law.first
-    second[np.ix_(range(n_out), columns, columns)] = law.second
-    return replace(
-        law,
-        sources=tuple(sources),
-        shift=shift,
-        first=first,
-        second=second,
-        ellipse=tuple(_over(one, sources) for one in law.ellipse),
-    )
 
 
 def _nothing(law: ScaledLaw) -> ScaledLaw:

@@ -231,9 +231,7 @@ def _linear_part(problem: Problem, factors: tuple[_Factor, ...]) -> _LinearPart:
     enough = exact > LINEAR_ENOUGH * np.diag(law.covariance)
     enough[exact.size - problem.legs.shape[1] :] = False  # a length has no tangent
     C = np.where(enough[:, None], law.C, 0.0)
-    U_x = np.zeros((problem.n_inputs, problem.n_inputs))
-    for group, rows in zip(problem.groups, problem.slices, strict=True):
-        U_x[rows, rows] = group.covariance
+    U_x = problem.input_covariance
     variance = np.stack(
         [
             np.einsum("ki,ij,kj->k", C[:, f.rows], U_x[f.rows, f.rows], C[:, f.rows])

@@ -122,8 +122,7 @@ def coverage_of(
     each output [1]. The same seed draws the same unit variates for every size of the
     sources.
     """
-    whole = -(-trials // BLOCK) * BLOCK
-    y = first_trials(problem, trials=whole, seed=seed)
+    y = first_trials(problem, trials=-(-trials // BLOCK) * BLOCK, seed=seed)
     within = (y >= interval[:, :1]) & (y <= interval[:, 1:])
     wanted = np.broadcast_to(coverage, len(y)).tolist()
     return Covered(

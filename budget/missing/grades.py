@@ -96,6 +96,12 @@ def completeness(sensor: Sensor) -> Completeness:
     )
 
 
+def known_family(device: Device) -> str:
+    """Return the family of a device; '' of a word that is no technology we know."""
+    found = family(device.technology)
+    return found if found in FAMILIES else ""
+
+
 @lru_cache(maxsize=1024)
 def family(technology: str) -> str:
     """Return 'mems' of 'MEMS, Z axis' and 'bulk MEMS'; '' where nothing is said."""

@@ -47,7 +47,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from budget.methods.execution import small_blocks
-from budget.missing.grades import FAMILIES, family
+from budget.missing.grades import FAMILIES, known_family
 from budget.model.sources import SENSORS, lines_of, source_of
 from budget.names import Name
 
@@ -202,7 +202,7 @@ def prepare(devices: Iterable[Device], catalogue: Sequence[Device]) -> None:
         for one in devices
         if any(sensor.expected_missing for sensor in one.sensors)
     ]
-    untold = [one for one in members if _known_family(one.device) == ""]
+    untold = [one for one in members if known_family(one.device) == ""]
     _fit_all(members, None)
     for word in FAMILIES if untold else ():
         _fit_all(untold, word)
@@ -271,8 +271,7 @@ def _fit_all(members: Sequence[_Member], technology: str | None) -> list[Fit | N
             if others.designs or all(untold):  # else there is nothing to be near
                 near = others.fits(untold)
         if others.designs or any(figures):
-            fits = others.fits(figures, near=near)
-            found |= dict(zip(places, fits, strict=True))
+            found |= dict(zip(places, others.fits(figures, near=near), strict=True))
     return [found.get(k) for k in range(len(members))]
 
 
@@ -383,10 +382,9 @@ class Fit:
             + (_alike(new, new) - gain @ n.T) / w
         )
         r = at @ self.spread
-        location = at @ self.origin + r * (known @ (self.mean + effect) + gain @ y)
         return Prediction(
             names=tuple(found),
-            location=location,
+            location=at @ self.origin + r * (known @ (self.mean + effect) + gain @ y),
             scale=self.sigma_2 * np.outer(r, r) * (scale + scale.T) / 2.0,
             df=min(self.df, TAILS + len(there)),
             devices=tuple(
@@ -548,8 +546,7 @@ class Others:
     ) -> Array:
         """Return what designs have, of every fit, with zeros for what is replaced."""
         q = len(self.lines)
-        shape = {"forms": (3, q, q)}.get(what, (q,))
-        found = np.zeros((*replaced.shape, *shape))
+        found = np.zeros((*replaced.shape, *{"forms": (3, q, q)}.get(what, (q,))))
         for place, one in enumerate(self.designs):
             found[:, place] = getattr(one, what)
         for k, one in enumerate(own):
@@ -717,7 +714,7 @@ def _figure(device: Device, kind: str, source: Source, log_u: float) -> LogLine:
     own = f"{design}, {device.name}"
     return LogLine(
         # Of a technology that is not told nobody knows what is like it.
-        groups=(_known_family(device) or design, design, own, f"{own}, {kind}"),
+        groups=(known_family(device) or design, design, own, f"{own}, {kind}"),
         line=quantity if len(units) == 1 else f"{quantity} of the {kind}",
         device=device.name,
         log_u=log_u,
@@ -746,12 +743,6 @@ def _others(devices: tuple[Device, ...]) -> Others:
 def _design(device: Device) -> str:
     """Return what a device is a variant of: its file, without one itself."""
     return device.origin.sha256 or device.name
-
-
-def _known_family(device: Device) -> str:
-    """Return the family of a device; '' of a word that is no technology we know."""
-    found = family(device.technology)
-    return found if found in FAMILIES else ""
 
 
 def _figures(devices: Iterable[Device]) -> list[LogLine]:

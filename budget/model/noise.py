@@ -277,8 +277,7 @@ class GaussMarkov(_Stationary):
         """
         tau = self.correlation_time
         later_start = np.maximum(a[0], b[0])
-        earlier_end = np.minimum(a[0] + a[1], b[0] + b[1])
-        gap = np.maximum(later_start - earlier_end, 0.0) / tau
+        gap = np.maximum(later_start - np.minimum(a[0] + a[1], b[0] + b[1]), 0.0) / tau
         means = (_log_mean_exponential(one[1] / tau) for one in (a, b))
         exponent = sum(means) - gap
         return np.stack([np.exp(exponent), np.expm1(exponent)])

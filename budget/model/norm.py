@@ -214,8 +214,7 @@ class NormScheme(Scheme):
 
     def beside(self, directions: Array) -> NormScheme:
         """Return it with more statistics, (3, 12, n), that a gyro needs of it."""
-        weights = np.concatenate([self.weights, directions], axis=1)
-        return replace(self, weights=weights)
+        return replace(self, weights=np.concatenate([self.weights, directions], axis=1))
 
 
 def statistics_weights(norm_weights: Array, force: Array) -> Array:

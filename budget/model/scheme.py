@@ -192,8 +192,7 @@ class Scheme:
         Turns and place apart, so that what cancels within either is exactly 0.
         """
         response = self.weights @ self.turn + self.weights @ self.standing
-        constant = self.weights.sum(axis=2)
-        return np.concatenate([response, constant[:, :, None]], axis=2)
+        return np.concatenate([response, self.weights.sum(axis=2)[:, :, None]], axis=2)
 
     @property
     def senses(self) -> Array:
@@ -480,8 +479,7 @@ def least_squares(
                 "none can be weighed against another; take least_squares, or see to "
                 "the lengths, starts and noise that are given"
             ) from None
-        inverse = np.linalg.pinv(np.linalg.solve(root, A))
-        found = np.linalg.solve(root.T, inverse.T).T
+        found = np.linalg.solve(root.T, np.linalg.pinv(np.linalg.solve(root, A)).T).T
         # Variances of windows that differ by many powers of ten cost W A = I digits.
         W[free] = found + (np.eye(len(found)) - found @ A) @ np.linalg.pinv(A)
     else:

@@ -22,7 +22,7 @@ import numpy as np
 
 from budget.errors import CallError
 from budget.navigation.dynamics import ATTITUDE, INPUTS, POSITION, VELOCITY
-from budget.navigation.growth import begun, driven
+from budget.navigation.growth import begun, driven, variances_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -158,12 +158,10 @@ class KalmanFilter:
 
         M, shape (m, n), H, shape (m, N), and variances, shape (m,); m is 0 without.
         """
-        ends = self.growth.steps.ends
-        every, T = ends.measured(aided=self.growth.aided), self.ends
+        every, T = self.growth.steps.ends.measured(aided=self.growth.aided), self.ends
         found = []
         for end, aids in enumerate(self.at):
-            rows = [row for aid in aids for row in aid.rows]
-            M = every[end, rows]
+            M = every[end, [row for aid in aids for row in aid.rows]]
             H = M @ T[end]
             at = 0
             for aid in aids:
@@ -172,8 +170,7 @@ class KalmanFilter:
                     own = np.arange(len(aid.rows))
                     H[at + own, place + own] = 1.0
                 at += len(aid.rows)
-            u = np.array([one for aid in aids for one in aid.u])
-            found.append((M, H, u**2))
+            found.append((M, H, np.array([one for aid in aids for one in aid.u]) ** 2))
         return tuple(found)
 
     @cached_property
@@ -536,10 +533,7 @@ class Sweep:
         s, r, _ = C.shape
         found = np.zeros((r, r))
         for noise in dict.fromkeys(part.noise for part in parts):
-            variances = np.zeros(INPUTS)
-            for part in parts:
-                if part.noise == noise:
-                    variances[part.row] += part.u**2
+            variances = variances_of(parts, noise)
             drive = driven(growth, noise)
             P, R, p = begun(growth, noise)
             added = np.einsum("i,sinm->snm", variances, drive.added[:s])

@@ -176,8 +176,7 @@ class Moment:
         What is seen, and last the error of the forward speed as wheels have it, in body
         axes: f . (dv - v x phi), f the forward axis.
         """
-        whole = self._whole(aided=aided)
-        ahead = self.body[..., None, :, 1] @ whole[..., VELOCITY, :]
+        ahead = self.body[..., None, :, 1] @ self._whole(aided=aided)[..., VELOCITY, :]
         return np.concatenate([self.seen(aided=aided), ahead], axis=-2)
 
     def given(self, *, aided: bool) -> Array:

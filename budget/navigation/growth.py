@@ -61,8 +61,7 @@ def _lags() -> Array:
             for k in range(b + 1):
                 n = a + k + 1
                 for j in range(n + 1):
-                    term = (-1) ** j * comb(n, j) * comb(b, k) / n
-                    powers[a, b, b - k + j] += term
+                    powers[a, b, b - k + j] += (-1) ** j * comb(n, j) * comb(b, k) / n
     one = np.einsum("pa,qb,abj->pqj", COEFFICIENTS, COEFFICIENTS, powers)
     return np.asarray(one + one.swapaxes(0, 1))
 
@@ -312,10 +311,7 @@ class Growth:
         T, rows = seen.shape[:2]
         C = np.zeros((T, rows, T, rows))
         for noise in dict.fromkeys(part.noise for part in parts):
-            variances = np.zeros(INPUTS)
-            for part in parts:
-                if part.noise == noise:
-                    variances[part.row] += part.u**2
+            variances = variances_of(parts, noise)
             used = np.flatnonzero(variances)
             spread = _spread(self, noise)
             for e, states in enumerate(spread.states):
@@ -423,6 +419,14 @@ class _Spread:
     states: Array
     with_noise: Array
     later: list[Array]
+
+
+def variances_of(parts: Sequence[AxisNoise], noise: UnitNoise) -> Array:
+    """Return what some parts add to the variance of each input, of one noise, (6,)."""
+    found = np.zeros(INPUTS)
+    for part in parts:
+        found[part.row] += part.u**2 if part.noise == noise else 0.0
+    return found
 
 
 @lru_cache(maxsize=KEPT)

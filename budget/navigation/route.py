@@ -445,8 +445,7 @@ class Track:
             while j > i + 1 and _bend(t[i : j + 1], velocity[i : j + 1]) > BEND:
                 j = i + (j - i) // 2
             kept.append(max(int(j), i + 1))
-        steps = np.searchsorted(kept, stops) - 1
-        return t[kept], tuple(int(step) for step in steps)
+        return t[kept], tuple(int(step) for step in np.searchsorted(kept, stops) - 1)
 
     def _turned(self, t: Array) -> Array:
         """Return the angles from each time to the next [rad]."""
@@ -516,7 +515,6 @@ def _outline(
         np.linalg.norm(one, axis=-1)
         for one in (nodes.velocity, nodes.acceleration, nodes.turning)
     )
-    times = Motion.of(durations, nodes).time
     return Outline(
         latitude=latitude,
         longitude=longitude,
@@ -527,7 +525,7 @@ def _outline(
         climb_rate=float(np.abs(nodes.velocity[..., 2]).max()),
         acceleration=float(acceleration.max()),
         turn_rate=float(turn_rate.max()),
-        hardest=float(times.ravel()[acceleration.argmax()]),
+        hardest=float(Motion.of(durations, nodes).time.ravel()[acceleration.argmax()]),
     )
 
 

@@ -37,14 +37,6 @@ from budget.recordings.calibrated import (
     CalibratedOutput,
     PassedOver,
     RecordedCalibration,
-<<<<<<< ours
-=======
-    RunChiSquare,
-    RunTurn,
-    RunWindow,
-    Suspicion,
-    UnseenMistake,
->>>>>>> theirs
 )
 from budget.recordings.health import MOST_OUTLIERS, UnsoundSamples
 from budget.recordings.records import RecordedConditions
@@ -54,6 +46,7 @@ from budget.recordings.run_soundness import (
     chi_square,
     run_of,
     suspicion,
+    turn_rows,
     unseen_of,
     window_rows,
     worst_windows,
@@ -301,14 +294,9 @@ def _put_together(given: GivenOfRun, triads: Sequence[RunTriad]) -> RecordedCali
         covariance=tuple(map(tuple, made.printed_covariance.tolist())),
         matrix=tuple(made.matrix(one) for one in valued),
         windows=windows,
-<<<<<<< ours
+        turns=tuple(x for one in triads for x in turn_rows(one, sound.get(GYRO))),
         chi_square=tuple(chi_square(kind, one.residual) for kind, one in sound.items()),
         prior=tuple(chi_square(kind, one.prior) for kind, one in sound.items()),
-=======
-        turns=tuple(x for one in triads for x in _turns(one, sound.get(GYRO))),
-        chi_square=tuple(_chi(kind, one.residual) for kind, one in sound.items()),
-        prior=tuple(_chi(kind, one.prior) for kind, one in sound.items()),
->>>>>>> theirs
         looks_like=suspicions,
         worst=worst_windows(windows, lost),
         unseen=tuple(x for kind, run in sound.items() for x in unseen_of(kind, run)),
@@ -374,170 +362,6 @@ def _pace(read: RecordedWindows, procedure: Procedure) -> float:
     return float(np.median([one.length / other.length for one, other in turns]))
 
 
-<<<<<<< ours
-=======
-def _windows(
-    triad: _Triad, read: RecordedWindows, run: AnyRun | None
-) -> Iterator[RunWindow]:
-    """Yield the windows of a triad, with what is left of each."""
-    kind = triad.sensor.kind
-    unit = COUNTS if triad.has_counts else LIKE[kind]
-    size = 1.0 if triad.has_counts else size_of(unit)
-    own_unit, own_size = BIAS_UNITS[kind]
-    left = triad.residuals
-    z = None if run is None else left / _residual_u(triad, run)
-    own = read.health.get(kind)
-    for k, number in enumerate(triad.numbers):
-        window = read.windows[number - 1]
-        health = None if own is None else own[number - 1]
-        yield RunWindow(
-            window=number,
-            name=window.name,
-            sensor=kind,
-            start=window.start,
-            length=window.length,
-            unit=unit,
-            mean=triad.readings[:, k] / size,
-            residual=left[:, k] / own_size,
-            residual_unit=own_unit,
-            z=None if z is None else z[:, k],
-            gaps=health.gaps if health else None,
-            missing=health.missing if health else None,
-            saturated=health.saturated if health else (),
-            stuck=health.stuck if health else (),
-            outliers=health.outliers if health else (),
-            is_spoilt=health.is_spoilt if health else None,
-        )
-
-
-def _turns(triad: _Triad, run: AnyRun | None) -> Iterator[RunTurn]:
-    """Yield the turns that a gyro is found by, with what is left after each."""
-    if triad.turns is None or not isinstance(run, RotationRun) or not triad.is_found:
-        return
-    M = np.eye(3) + tilt_matrix(triad.found.mounting_angle)
-    K, b = triad.found.scale_factor[:, None], triad.found.bias[:, None]
-    for turn, left, u in zip(triad.turns.turns, *run.of_turns(), strict=True):
-        rates = np.linalg.solve(M, turn.rates / K - b)
-        turned = float(np.linalg.norm(rates, axis=0) @ turn.lengths)
-        yield RunTurn(
-            first=turn.first + 1,
-            last=turn.last + 1,
-            start=turn.start,
-            length=float(turn.lengths.sum()),
-            turned=turned / size_of("deg"),
-            residual=left / size_of("arcsec"),
-            z=left / u,
-        )
-
-
-def _residual_u(triad: _Triad, run: AnyRun) -> Array:
-    """Return standard uncertainties of residuals, (3, n): of (1 - A W) C (1 - A W)'."""
-    if isinstance(run, RotationRun):
-        return run.residual_u()
-    if isinstance(run, NormRun):
-        J, W = run.sensitivity, np.linalg.pinv(run.sensitivity)
-        R = np.eye(len(J)) - J @ W
-        g = run.place.gravity
-        found = np.sqrt(np.maximum(np.diag(R @ run.covariance @ R.T), 0.0)) / (2.0 * g)
-        noise = np.sqrt(np.diag(run.covariance)) / (2.0 * g)
-        return np.asarray(np.where(found > TINY * noise, found, np.inf))[None]
-    n = triad.readings.shape[1]
-    C = run.covariance.reshape(3, n, 3, n)
-    found = np.array(
-        [
-            np.sqrt(np.maximum(np.diag(R @ C[axis, :, axis] @ R.T), 0.0))
-            for axis, R in enumerate(_left(triad))
-        ]
-    )
-    noise = np.sqrt(np.diag(run.covariance)).reshape(3, n)
-    return np.asarray(np.where(found > TINY * noise, found, np.inf))
-
-
-def _left(triad: _Triad) -> Array:
-    """Return R of residuals R y, 1 - A W of each axis, (3, n, n)."""
-    scheme = triad.scheme
-    n = triad.readings.shape[1]
-    A = np.column_stack([scheme.turn + scheme.standing, np.ones(n)])
-    columns = [
-        np.column_stack([A, scheme.powers[axis]]) if scheme.orders else A
-        for axis in range(3)
-    ]
-    return np.asarray(np.eye(n) - np.array(columns) @ np.array(scheme.weights))
-
-
-def _worst(windows: Sequence[RunWindow], kinds: Sequence[str]) -> tuple[int, ...]:
-    """Return the windows of triads that are farthest off, the farthest first."""
-    sizes = [
-        (float(np.abs(one.z).max()), one.window)
-        for one in windows
-        if one.sensor in kinds and one.z is not None
-    ]
-    found = dict.fromkeys(number for _, number in sorted(sizes, reverse=True))
-    return tuple(found)[:WORST]
-
-
-def _units(triads: Sequence[_Triad], output: Output) -> tuple[str, float]:
-    """Return the unit of an output, and its size: of counts over the input's."""
-    name = output.name
-    for one in triads:
-        if one.sensor.kind == name.owner and one.has_counts:
-            like = LIKE[name.owner]
-            if name.quantity == SCALE_FACTOR:
-                return f"{COUNTS}/({like})", 1.0 / size_of(like)
-    return output.unit, output.si_per_unit
-
-
-def _factors(triads: Sequence[_Triad], made: _Made) -> Array:
-    """Return what the law's errors are times of those of the values: K of counts."""
-    found = np.ones(len(made.outputs))
-    for row, output in enumerate(made.outputs):
-        if output.name.quantity != SCALE_FACTOR:
-            continue
-        for one in triads:
-            if one.sensor.kind == output.name.owner:
-                axis = "xyz".index(output.name.axis)
-                found[row] = abs(one.scale_factor[axis])
-    return found
-
-
-def _printed_covariance(triads: Sequence[_Triad], made: _Made) -> Array:
-    """Return the covariance of the values, in their units."""
-    sizes = np.array([_units(triads, one)[1] for one in made.outputs])
-    change = _factors(triads, made) / sizes
-    return np.asarray(made.covariance * np.outer(change, change))
-
-
-def _outputs(
-    triads: Sequence[_Triad], made: _Made, given: GivenOfRun
-) -> Iterator[CalibratedOutput]:
-    """Yield the values, each with how sure it is and what was known before."""
-    u = np.sqrt(np.diag(made.covariance)) * _factors(triads, made)
-    k = _coverage_factors(made.degrees_of_freedom, given.coverage)
-    limits = {}
-    if given.requirement is not None:
-        limits = {one.output: one.limit for one in given.requirement.limits}
-    for row, output in enumerate(made.outputs):
-        unit, size = _units(triads, output)
-        prior, nominal = float(made.prior[row]), float(made.nominal[row])
-        is_known = np.isfinite(prior) and np.isfinite(nominal) and prior > 0.0
-        off = made.value[row] - nominal
-        yield CalibratedOutput(
-            sensor=output.name.owner,
-            parameter=output.name.quantity,
-            axis=output.name.axis,
-            unit=unit,
-            si_per_unit=size,
-            value=float(made.value[row]),
-            standard_uncertainty=float(u[row]),
-            coverage_factor=float(k[row]),
-            degrees_of_freedom=float(made.degrees_of_freedom[row]),
-            prior=prior if is_known else None,
-            prior_z=float(off / hypot(prior, u[row])) if is_known else None,
-            limit=limits.get(output.name) if unit == output.unit else None,
-        )
-
-
->>>>>>> theirs
 def _as_found(
     rows: Iterable[CalibratedOutput], made: RunValues, given: GivenOfRun
 ) -> Iterator[CalibratedOutput]:

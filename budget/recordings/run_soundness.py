@@ -27,12 +27,14 @@ from budget.model.source import GYRO
 from budget.recordings.calibrated import (
     MistakeRow,
     RunChiSquare,
+    RunTurn,
     RunWindow,
     Suspicion,
     UnseenMistake,
 )
 from budget.recordings.run_triads import by_norm, run_triad
 from budget.recordings.run_values import residual_weights
+from budget.units import size_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -218,6 +220,24 @@ def window_rows(
             stuck=health.stuck if health else (),
             outliers=health.outliers if health else (),
             is_spoilt=health.is_spoilt if health else None,
+        )
+
+
+def turn_rows(triad: RunTriad, run: AnyRun | None) -> Iterator[RunTurn]:
+    """Yield the turns that a gyro is found by, with what is left after each."""
+    if triad.turns is None or not isinstance(run, RotationRun) or not triad.is_found:
+        return
+    for turn, left, u in zip(triad.turns.turns, *run.of_turns(), strict=True):
+        rates = triad.found.shown(turn.rates)
+        turned = float(np.linalg.norm(rates, axis=0) @ turn.lengths)
+        yield RunTurn(
+            first=turn.first + 1,
+            last=turn.last + 1,
+            start=turn.start,
+            length=float(turn.lengths.sum()),
+            turned=turned / size_of("deg"),
+            residual=left / size_of("arcsec"),
+            z=left / u,
         )
 
 

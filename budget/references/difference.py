@@ -267,8 +267,7 @@ def probability_of(before: QuantityValue, after: QuantityValue) -> float:
         return 1.0
     from scipy.special import stdtr
 
-    tail = float(stdtr(_freedom(before, after), -difference / spread))
-    return min(2.0 * tail, 1.0)
+    return min(2.0 * float(stdtr(_freedom(before, after), -difference / spread)), 1.0)
 
 
 def finite(value: float) -> float | None:

@@ -216,7 +216,12 @@ def _differences(
             for key in dict.fromkeys((*a, *b)):
                 yield from _differences(a.get(key), b.get(key), (*steps, key))
             return
-        if isinstance(a, tuple) and isinstance(b, tuple) and _are_records(a, b):
+        if (
+            isinstance(a, tuple)
+            and isinstance(b, tuple)
+            and len(a) == len(b)
+            and all(isinstance(one.value, dict) for one in (*a, *b))
+        ):  # as many mappings; a list of words is one value
             for place, (one, other) in enumerate(zip(a, b, strict=True)):
                 yield from _differences(one, other, (*steps, place))
             return
@@ -236,8 +241,3 @@ def _only(node: Node | None, keys: set[str]) -> Node | None:
         return node
     own = {key: child for key, child in node.value.items() if key in keys}
     return own[VALUE] if set(own) == {VALUE} else replace(node, value=own)
-
-
-def _are_records(a: tuple[Node, ...], b: tuple[Node, ...]) -> bool:
-    """Whether two lists hold as many mappings; a list of words is one value."""
-    return len(a) == len(b) and all(isinstance(item.value, dict) for item in (*a, *b))

@@ -113,8 +113,7 @@ def _taken(
         path = shipped("specs") / FOLDERS[role] / f"{PAPER}.yaml"
         file = NamedFile(path=path, shown=PAPER, variant="")
     document = _open(file, role)
-    stored = _stored(document, role, file, folder)
-    return stored, replace(document, file=str(file.path))
+    return _stored(document, role, file, folder), replace(document, file=str(file.path))
 
 
 def _stored(

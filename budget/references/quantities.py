@@ -115,8 +115,7 @@ def snapshot_of(document: Record, errors: Mapping[str, StandardErrors]) -> Snaps
     numbers: list[QuantityValue] = []
     words: list[NominalProperty] = []
     meanings = MEANINGS[document["command"]]
-    above = _above(meanings)
-    for path, place, value in _leaves(document, "", _Where(), above):
+    for path, place, value in _leaves(document, "", _Where(), _above(meanings)):
         meaning = meanings.get(path)
         if meaning is None or value is None:
             continue

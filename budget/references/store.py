@@ -51,8 +51,7 @@ def reference_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a reference budget."""
     # The checksum: SHA-256 of all the rest, as JSON with sorted keys and no spaces.
     own = {"format": needed(one_of(FORMAT)), "checksum": needed(SHA256)}
-    every = table(ReferenceBudget, REFERENCE | own)
-    return schema_of(every, "budget reference file")
+    return schema_of(table(ReferenceBudget, REFERENCE | own), "budget reference file")
 
 
 def present_versions() -> dict[str, str]:
@@ -188,8 +187,7 @@ def _parse(data: bytes, shown: str) -> dict[str, Any]:
         what = f"is no JSON here: {error.msg.lower()}"
         if error.pos >= len(text.rstrip()):
             what = "ends too early, it was cut short"
-        at = f"{shown}:{error.lineno}:{error.colno}"
-        raise _no_reference(at, what) from None
+        raise _no_reference(f"{shown}:{error.lineno}:{error.colno}", what) from None
     except (ValueError, RecursionError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else error
         what = f"is no JSON of a reference budget ({reason})"

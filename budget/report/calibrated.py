@@ -23,18 +23,16 @@ from budget.report.figures.rows import (
     rows_of,
 )
 from budget.report.figures.style import INK, VERMILION, Scale
-from budget.report.pages import document, figure, sections
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.pages import document, figure, section, sections
+from budget.report.provenance import endings
 from budget.report.recording import run_row
 from budget.report.tables import DASH, print_given
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from types import SimpleNamespace
 
     from budget.arrays import Array
-    from budget.inputs.records import ErrorLine
     from budget.recordings.calibrated import (
         CalibratedOutput,
         RecordedCalibration,
@@ -44,7 +42,6 @@ if TYPE_CHECKING:
     from budget.recordings.run_soundness import UnseenMistakes
     from budget.report.blocks import Document, Section
 
-COMMAND = "budget calibrate"
 FAR = 3.0  # standard uncertainties, from which a value is in colour, and said [1]
 MOST_SAID = 3  # values that are far off, in a headline
 MOST_DIGITS = 12
@@ -61,8 +58,6 @@ class PrintedOutput:
 
     row: CalibratedOutput
     name: Name
-    axis: str
-    unit: str
     printed: str
     exact: float
     expanded: str
@@ -86,8 +81,6 @@ def printed_output(row: CalibratedOutput) -> PrintedOutput:
     return PrintedOutput(
         row=row,
         name=Name(row.parameter, owner=row.sensor, axis=row.axis),
-        axis=row.axis,
-        unit=row.unit,
         printed=f"{value:.{decimals}f}",
         exact=value,
         expanded=print_given(expanded, digits=2),
@@ -164,38 +157,7 @@ def _beside(
 
 def unseen_section(found: UnseenMistakes, *, device: str) -> Section:
     """Return what a run of a procedure with a device may not show."""
-    (section,) = sections("unseen", found=found, device=device)
-    return section
-
-
-@dataclass(frozen=True, kw_only=True)
-class PrintedFigure:
-    """A figure of table, place or environment, and what it rests on; '' not stated."""
-
-    name: str
-    printed: str
-    meaning: str
-    definition: str
-    shape: str
-    nu: str
-    source: str
-    condition: str
-
-
-def station_row(line: ErrorLine) -> PrintedFigure:
-    """Print a figure that a calibration rests on."""
-    shapes = dict.fromkeys(one.name for one in line.distributions)
-    nu = [print_given(x, digits=2) for x in line.degrees_of_freedom if x is not None]
-    return PrintedFigure(
-        name=line.name,
-        printed=line.printed,
-        meaning=line.meaning,
-        definition=", ".join(x for x in (line.definition, line.includes) if x),
-        shape=", ".join(shapes),
-        nu=", ".join(dict.fromkeys(nu)),
-        source=line.source,
-        condition=line.condition,
-    )
+    return section("unseen", found=found, device=device)
 
 
 def _view(found: RecordedCalibration) -> dict[str, object]:
@@ -217,30 +179,15 @@ def _view(found: RecordedCalibration) -> dict[str, object]:
         "found": found,
         "outputs": {sensor: [*own.values()] for sensor, own in outputs.items()},
         "conditions": [run_row(one) for one in found.environment],
-        "station": [station_row(one) for one in found.station],
+        "station": found.station,
         "station_file": next((x.name for x in found.inputs if x.role == STATION), ""),
-        "off": [_Off.of(one) for one in far[:MOST_SAID]] if is_told else [],
+        "off": far[:MOST_SAID] if is_told else [],
         "DASH": DASH,
     }
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Off:
-    """A value that is far off the data sheet."""
-
-    name: Name
-    axis: str
-    prior_z: float
-
-    @classmethod
-    def of(cls, one: PrintedOutput) -> _Off:
-        """Take it from a printed value."""
-        name = Name(one.row.parameter, owner=one.row.sensor)
-        return cls(name=name, axis=one.axis, prior_z=one.row.prior_z or 0.0)
-
-
 def calibrate_document(
-    found: RecordedCalibration, *, date: str, command_line: str = COMMAND
+    found: RecordedCalibration, *, date: str, command_line: str = "budget calibrate"
 ) -> Document:
     """Put it into one document: a certificate."""
     pulls = pull_chart(found)
@@ -279,10 +226,7 @@ def calibrate_document(
         **_view(found),
     ).whole(
         "calibrate",
-        provenance_section(
-            found.inputs, None, version=__version__, command_line=command_line
-        ),
-        sign_off_section(),
+        *endings(found.inputs, command_line=command_line),
         json=json_text(found.to_dict()),
         date=date,
     )

@@ -11,14 +11,12 @@ from budget.report.pages import document, sections
 from budget.report.provenance import provenance_section
 from budget.report.standing import standing_lines
 from budget.report.tables import DASH
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from budget.report.blocks import Document, Section
     from budget.studies.decide import Decision, Purchase
 
 MOST_SHOWN = 8  # devices of a table: those after them are counted
-COMMAND = "budget decide"
 
 
 def decision_answer(found: Decision) -> tuple[Section, ...]:
@@ -27,17 +25,15 @@ def decision_answer(found: Decision) -> tuple[Section, ...]:
 
 
 def decision_document(
-    found: Decision, *, date: str, command_line: str = COMMAND
+    found: Decision, *, date: str, command_line: str = "budget decide"
 ) -> Document:
     """Put a decision into one document, the answer first."""
     provenance = provenance_section(
         found.inputs,
         found.settings,
-        version=__version__,
         command_line=command_line,
     )
-    page = document("decision_page", **_view(found))
-    return page.whole(
+    return document("decision_page", **_view(found)).whole(
         "decision", provenance, json=json_text(found.to_dict()), date=date
     )
 

@@ -97,10 +97,9 @@ def _comments(
     if sign != OPEN:
         return [f"{indent}{sign} {row}" for row in rows]
     # Two hyphens in a row are not allowed within, nor one at the end.
-    inside = [re.sub("-(?=-)", "- ", row) for row in rows]
     return [
         f"{indent}{OPEN}",
-        *(f"{indent}  {row}" for row in inside),
+        *(f"{indent}  {row}" for row in [re.sub("-(?=-)", "- ", row) for row in rows]),
         f"{indent}{CLOSE}",
     ]
 

@@ -21,7 +21,7 @@ from budget.report.figures.timeline import (
     print_time,
     schedule_chart,
 )
-from budget.report.pages import sections
+from budget.report.pages import section, sections
 from budget.report.standing import parted
 from budget.report.tables import print_given
 from budget.units import ARCSEC, DEG_PER_HOUR, MICRO_G
@@ -77,7 +77,7 @@ def inputs_section(
         for device in devices
         for sensor in on_the_way(device.sensors, procedure)[0]
     ]
-    (section,) = sections(
+    return section(
         "inputs",
         full=full,
         absent=absent,
@@ -96,7 +96,6 @@ def inputs_section(
             for owner, lines in procedure.shared.items()
         ],
     )
-    return section
 
 
 def noise_pictures(sensors: Sequence[Sensor], procedure: Procedure) -> Abreast | None:
@@ -135,8 +134,7 @@ def _rows(
             Name(line.name, owner=owner, axis=axis): axis for axis in ("", *source.axes)
         }
         own = tuple((axes[key], text) for key, text in assumed if key in axes)
-        varies = source.meant(line).varies
-        rows.append(InputRow(line=line, varies=varies, assumed=own))
+        rows.append(InputRow(line=line, varies=source.meant(line).varies, assumed=own))
     return tuple(rows)
 
 
@@ -146,7 +144,7 @@ def procedure_section(
     """Return the procedure in words and its positions; in full its schedule."""
     schedule = schedule_chart(procedure, sensors) if full else None
     positions = Positions.of(procedure, sensors)
-    (section,) = sections(
+    return section(
         "procedure",
         procedure=procedure,
         sensors=sensors,
@@ -158,7 +156,6 @@ def procedure_section(
         degrees=print_degrees,
         IDEAL=IDEAL,
     )
-    return section
 
 
 def print_degrees(angle: float) -> str:

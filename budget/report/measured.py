@@ -21,9 +21,8 @@ from budget.report.figures.rows import (
 )
 from budget.report.figures.style import INK, VERMILION, Scale
 from budget.report.pages import document, figure, sections
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.provenance import endings
 from budget.report.tables import DASH
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -35,8 +34,6 @@ if TYPE_CHECKING:
         MeasuredUnit,
     )
     from budget.report.blocks import Document, Section
-
-COMMAND = "budget diff"
 
 
 def measured_answer(found: MeasuredUnit) -> tuple[Section, ...]:
@@ -71,7 +68,7 @@ def _name(one: MeasuredLine | LotLine) -> Name:
 
 
 def measured_document(
-    found: MeasuredUnit, *, date: str, command_line: str = COMMAND
+    found: MeasuredUnit, *, date: str, command_line: str = "budget diff"
 ) -> Document:
     """Put it into one document: what is worse, all ratios, all lines."""
     chart = ratio_chart(found)
@@ -81,10 +78,7 @@ def measured_document(
         **_view(found),
     ).whole(
         "diff",
-        provenance_section(
-            found.inputs, None, version=__version__, command_line=command_line
-        ),
-        sign_off_section(),
+        *endings(found.inputs, command_line=command_line),
         json=json_text(found.to_dict()),
         date=date,
     )
@@ -96,15 +90,12 @@ def lot_answer(found: MeasuredLot) -> tuple[Section, ...]:
 
 
 def lot_document(
-    found: MeasuredLot, *, date: str, command_line: str = COMMAND
+    found: MeasuredLot, *, date: str, command_line: str = "budget diff"
 ) -> Document:
     """Put it into one document: which units are worse, and all lines."""
     return document("lot_page", **_view_of_lot(found)).whole(
         "diff",
-        provenance_section(
-            found.inputs, None, version=__version__, command_line=command_line
-        ),
-        sign_off_section(),
+        *endings(found.inputs, command_line=command_line),
         json=json_text(found.to_dict()),
         date=date,
     )

@@ -134,10 +134,9 @@ def by_time(budget: Budget) -> tuple[ErrorsAtTime, ...]:
     def time_of(row: OutputBudget) -> float:
         return row.output.name.time or 0.0
 
-    rows = sorted(budget.outputs, key=time_of)
     return tuple(
         ErrorsAtTime(time=time, rows=tuple(own))
-        for time, own in groupby(rows, key=time_of)
+        for time, own in groupby(sorted(budget.outputs, key=time_of), key=time_of)
     )
 
 
@@ -222,8 +221,7 @@ def blamed(moments: Sequence[ErrorsAtTime]) -> tuple[Blamed, ...]:
     sources = [
         Blamed(source=source, shares=tuple(shares)) for source, shares in found.items()
     ]
-    order = from_largest([max(one.shares) for one in sources])
-    return tuple(sources[k] for k in order)
+    return tuple(sources[k] for k in from_largest([max(one.shares) for one in sources]))
 
 
 def contributions(moments: Sequence[ErrorsAtTime]) -> dict[str, object]:

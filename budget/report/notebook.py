@@ -585,8 +585,7 @@ class Plots:
         """
         own = question_of(self.budget)
         triads = {one.kind: one for one in own.sensors}
-        triad = _choice(triads, sensor or next(iter(triads)))
-        found = Allan.of(triad, own.procedure)
+        found = Allan.of(_choice(triads, sensor or next(iter(triads))), own.procedure)
         return allan_plot(found) if found else None
 
     @shows("nothing moves that error", has=lambda own: own.varies and own.is_mission)

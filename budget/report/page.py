@@ -337,13 +337,12 @@ def number_markup(text: str, *, tail: int = 0) -> str:
 
 def signs_markup(text: str) -> str:
     """Escape a text; minus signs of numbers in it are true, powers of ten raised."""
-    told = SIGN.sub(MINUS, escape(text))
     return POWER.sub(
         lambda power: (
             "&#8239;&times;&#8239;10<sup>"
             f"{power[1].replace('-', MINUS).replace('+', '')}{power[2]}</sup>"
         ),
-        told,
+        SIGN.sub(MINUS, escape(text)),
     )
 
 

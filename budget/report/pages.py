@@ -146,6 +146,12 @@ def sections(page: str, /, **view: object) -> tuple[Section, ...]:
         return tuple(_sections(*_filled(page, view)))
 
 
+def section(page: str, /, **view: object) -> Section:
+    """Return the only section of a page."""
+    (found,) = sections(page, **view)
+    return found
+
+
 def document(page: str, /, **view: object) -> Page:
     """Return what a page says that is a whole document."""
     with telling(_file(page)):
@@ -166,8 +172,7 @@ def cards(page: str, macro: str = "", /, **view: object) -> tuple[Card, ...]:
 
 def table(page: str, macro: str = "", /, **view: object) -> Table:
     """Return the table of a page, or of one of its macros."""
-    own = blocks(page, macro, **view)
-    return next(one for one in own if isinstance(one, Table))
+    return next(one for one in blocks(page, macro, **view) if isinstance(one, Table))
 
 
 def line(page: str, macro: str = "", /, **view: object) -> str:
@@ -179,8 +184,7 @@ def line(page: str, macro: str = "", /, **view: object) -> str:
 def lines(page: str, macro: str = "", /, **view: object) -> tuple[str, ...]:
     """Return the words of each line of a page, or of one of its macros, as text."""
     with telling(_file(page)):
-        rows = _printed(page, view, macro).split("\n")
-        return tuple(filter(None, map(_plain, rows)))
+        return tuple(filter(None, map(_plain, _printed(page, view, macro).split("\n"))))
 
 
 def texts(page: str, macro: str, /, **view: object) -> SimpleNamespace:
@@ -541,8 +545,7 @@ def _words(node: SyntaxTreeNode, objects: Sequence[Object] = ()) -> Any:  # noqa
             elif kind == EXACT:
                 exact, _, said = value.partition(OF)
                 size = int(exact) if exact.isdecimal() else float(exact)
-                run = Run(text=shown(said), strong=strong, exact=size)
-                found.append(run)
+                found.append(Run(text=shown(said), strong=strong, exact=size))
             else:
                 found.append((kind, shown(value)))
             at = mark.end()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from budget.report.pages import sections
+from budget.report.pages import section
+from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,28 +16,25 @@ if TYPE_CHECKING:
 
 
 def provenance_section(
-    inputs: Sequence[InputFile],
-    settings: Settings | None,
-    *,
-    version: str,
-    command_line: str,
+    inputs: Sequence[InputFile], settings: Settings | None = None, *, command_line: str
 ) -> Section:
     """Return what it takes to make the report again.
 
     The command line comes without output names and without what changes no number.
     Where nothing can be set `settings` is None.
     """
-    (section,) = sections(
+    return section(
         "provenance",
         inputs=inputs,
         settings=settings,
-        version=version,
+        version=__version__,
         command_line=command_line,
     )
-    return section
 
 
-def sign_off_section() -> Section:
-    """Return the lines on which those who answer for a report sign it."""
-    (section,) = sections("sign_off")
-    return section
+def endings(
+    inputs: Sequence[InputFile], settings: Settings | None = None, *, command_line: str
+) -> tuple[Section, Section]:
+    """Return the provenance, and the lines on which those who answer for it sign."""
+    provenance = provenance_section(inputs, settings, command_line=command_line)
+    return provenance, section("sign_off")

@@ -21,7 +21,7 @@ from budget.recordings.characterise import (
 from budget.report.document import json_text
 from budget.report.figures.recorded import recorded_plots, spectrum_plots
 from budget.report.pages import document, sections
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.provenance import endings
 from budget.report.tables import DASH, print_given
 from budget.sentences import sentence
 from budget.version import __version__
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     )
     from budget.report.blocks import Document, Section
 
-COMMAND = "budget characterise"
 DIGITS = 3
 MOST_TEXT, MOST_NOTES = 200, 4000  # characters of a device file's texts
 # Written with the lines whose time they are.
@@ -80,28 +79,15 @@ def printed(line: NoiseLine) -> PrintedLine:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class PrintedRun:
-    """When and in what a recording was made; '' of what is not stated."""
-
-    recording: str
-    date: str
-    said: tuple[str, ...]
-
-
-def run_row(one: RecordedConditions) -> PrintedRun:
-    """Print it, in the units that people read."""
+def run_row(one: RecordedConditions) -> tuple[RecordedConditions, list[str]]:
+    """Return when and in what a recording was made, and that in the units of people."""
     numbers = (
         (one.temperature, 1.0, "\N{DEGREE SIGN}C"),
         (one.humidity, 100.0, "% RH"),
         (one.pressure, 0.01, "hPa"),
     )
     given = [f"{x * size:.6g} {unit}" for x, size, unit in numbers if x is not None]
-    return PrintedRun(
-        recording=one.recording,
-        date=one.date,
-        said=(*given, *([one.text] if one.text else [])),
-    )
+    return one, [*given, *([one.text] if one.text else [])]
 
 
 def characterise_answer(found: Characterisation) -> tuple[Section, ...]:
@@ -156,7 +142,7 @@ def _view(found: Characterisation) -> dict[str, object]:
 
 
 def characterise_document(
-    found: Characterisation, *, date: str, command_line: str = COMMAND
+    found: Characterisation, *, date: str, command_line: str = "budget characterise"
 ) -> Document:
     """Put it into one document: figures, curves, models, and the record's health."""
     return document(
@@ -167,10 +153,7 @@ def characterise_document(
         **_view(found),
     ).whole(
         "characterise",
-        provenance_section(
-            found.inputs, None, version=__version__, command_line=command_line
-        ),
-        sign_off_section(),
+        *endings(found.inputs, command_line=command_line),
         json=json_text(found.to_dict()),
         date=date,
     )

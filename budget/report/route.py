@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from budget.names import time_text
 from budget.report.figures.timeline import print_time
-from budget.report.pages import sections
+from budget.report.pages import section
 from budget.report.tables import print_given, unit_for
 from budget.units import STANDARD_GRAVITY
 
@@ -88,7 +88,7 @@ def _place(latitude: float, longitude: float | None) -> str:
 def route_section(mission: Mission) -> Section:
     """Tell the way in a table: a row for the start and for each asked time."""
     ends = mission.route.steps(mission.at).ends
-    (section,) = sections(
+    return section(
         "route",
         way=way_of(mission.route),
         places=[
@@ -97,7 +97,6 @@ def route_section(mission: Mission) -> Section:
         ],
         print_time=print_time,
     )
-    return section
 
 
 def _to(value: float, decimals: int) -> str:

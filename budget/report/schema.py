@@ -45,7 +45,7 @@ STUDIES = (
 )
 STORED = ("check", "difference", "device_list", "one_device")
 # Where these have their forms.
-FORMING = ("budget.report.reference.document", "budget.report.catalogue")
+FORMING = ("budget.report.reference", "budget.report.catalogue")
 SIMPLE = {
     float: "number",
     int: "integer",

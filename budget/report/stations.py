@@ -18,7 +18,7 @@ from budget.report.document import json_text
 from budget.report.figures.rows import Bar, Chart, ChartPanel, chart_picture, rows_of
 from budget.report.figures.style import Scale, look_of
 from budget.report.pages import figure, sections
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.provenance import endings
 from budget.report.tables import (
     DASH,
     DIGITS,
@@ -28,7 +28,6 @@ from budget.report.tables import (
 )
 from budget.studies.stations import DOES, MOST_FALSE_ACCEPT, NO_FIGURES
 from budget.ties import from_largest, settle, smallest
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
 
 ANY = "any"
 SHOWN = 1e-3  # of the part of a limit: a figure that takes less has no bar [1]
-COMMAND = "budget station"
 PER_CENT = 100.0
 LEAST_RISK = 1e-4  # of a false accept: less is printed as less than this [1]
 
@@ -63,8 +61,11 @@ def station_answer(found: Qualification, *, full: bool = True) -> tuple[Section,
         risk=PER_CENT * risk,
         most=PER_CENT * MOST_FALSE_ACCEPT,
         shown=[
-            (found.stations.index(one), one, [*_accepted(one)], _too_often(one))
+            (found.stations.index(one), one, [*_accepted(one)], too_often)
             for one in shown
+            for too_often in [
+                [row.output.name for row in one.outputs if row.is_accepted_too_often]
+            ]
         ],
         DOES=DOES,
         NO_FIGURES=NO_FIGURES,
@@ -79,17 +80,14 @@ def _least_used(stations: Sequence[StationVerdict]) -> list[StationVerdict]:
 
 
 def station_document(
-    found: Qualification, *, date: str, command_line: str = COMMAND
+    found: Qualification, *, date: str, command_line: str = "budget station"
 ) -> Document:
     """Put it into one document: which station will do, then what it stands on."""
     answer, *further = station_answer(found)
     chart = figures_chart(found)
     return Answer.of(answer).whole(
         "station_page",
-        provenance_section(
-            found.inputs, None, version=__version__, command_line=command_line
-        ),
-        sign_off_section(),
+        *endings(found.inputs, command_line=command_line),
         json=json_text(found.to_dict()),
         date=date,
         found=found,
@@ -196,8 +194,7 @@ def _accepted(station: StationVerdict) -> Iterator[Accepted]:
     """Yield what is accepted of every limited output; alike ones once."""
     for _, alike in groupby(map(_acceptance, station.outputs), _printed):
         rows = list(alike)
-        names = tuple(name for row in rows for name in row.names)
-        yield replace(rows[0], names=names)
+        yield replace(rows[0], names=tuple(name for row in rows for name in row.names))
 
 
 def _acceptance(row: StationOutput) -> Accepted:
@@ -232,11 +229,6 @@ def _printed(row: Accepted) -> tuple[object, ...]:
     return (row.group, row.limit, *(one and one.text for one in numbers))
 
 
-def _too_often(station: StationVerdict) -> list[Name]:
-    """Return the outputs that are accepted beyond their limits too often."""
-    return [row.output.name for row in station.outputs if row.is_accepted_too_often]
-
-
 def print_risk(row: StationOutput) -> str:
     """Print a false accept in per cent: a dash for none, and what is hardly any."""
     risk = row.false_accept
@@ -251,7 +243,6 @@ def print_down(value: float, u: float) -> str:
     """Print an acceptance limit to the third digit of U, never rounded up."""
     if u <= 0.0 or value <= 0.0:
         return print_given(value, digits=6)
-    place = max(floor(log10(settle(u))) - 2, floor(log10(value)) - 5)
-    step = Decimal(1).scaleb(place)
+    step = Decimal(1).scaleb(max(floor(log10(settle(u))) - 2, floor(log10(value)) - 5))
     exact = Decimal(repr(settle(value)))
     return f"{(exact / step).to_integral_value(ROUND_FLOOR) * step:f}"

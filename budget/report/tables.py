@@ -107,8 +107,7 @@ class OutputRow:
     @property
     def is_centred(self) -> bool:
         """Whether the interval is mean +- U, to the digits that are printed."""
-        middle = (self.low.exact + self.high.exact) / 2.0
-        text = round_value(middle, self.u.exact)
+        text = round_value((self.low.exact + self.high.exact) / 2.0, self.u.exact)
         return self.mean.text in {text, UNKNOWN}
 
 
@@ -203,8 +202,7 @@ class GroupTable:
         found: dict[object, dict[object, list[int]]] = {}
         for place, row in enumerate(self.rows):
             sources = tuple(_printed(own.cells[place]) for own in self.major)
-            alike = found.setdefault(sources, {})
-            alike.setdefault(_printed(row), []).append(place)
+            found.setdefault(sources, {}).setdefault(_printed(row), []).append(place)
         return tuple(tuple(map(tuple, own.values())) for own in found.values())
 
     def axes(self, places: Sequence[int]) -> list[str]:
@@ -304,8 +302,7 @@ def round_error(
     scale = output.si_per_unit
     text = round_value(error / scale, u / scale, resolution=output.resolution / scale)
     if limit is not None and output.resolution < u:
-        place = _last_place(u / scale)
-        text = _beside(error / scale, limit / scale, place)
+        text = _beside(error / scale, limit / scale, _last_place(u / scale))
     return Number.of(error / scale, text)
 
 
@@ -347,8 +344,7 @@ def as_limited(row: JudgedOutput) -> JudgedOutput:
     if settle(row.largest_error / limit.si_per_unit) < LEAST_OF_UNIT:
         like = HEADING if name.axis == HEADING else name.quantity
         unit = unit_for(like, row.largest_error)
-    output = replace(row.output, unit=unit[0], si_per_unit=unit[1])
-    return replace(row, output=output)
+    return replace(row, output=replace(row.output, unit=unit[0], si_per_unit=unit[1]))
 
 
 def largest_error(row: JudgedOutput) -> Number:
@@ -372,8 +368,7 @@ def length(size: float) -> str:
 
 def print_given(value: float, *, digits: int = 4) -> str:
     """Print a value that was given, not computed: '0.0125', no zeros added."""
-    text = f"{settle(value):.{digits - 1}e}"
-    return _print_decimal(Decimal(text).normalize(EXACT))
+    return _print_decimal(Decimal(f"{settle(value):.{digits - 1}e}").normalize(EXACT))
 
 
 def print_share(share: float) -> str:

@@ -268,8 +268,7 @@ def _set(table: Table, place: int, widest: int) -> SetColumn:
 
 def _break(text: str, width: int) -> list[str]:
     """Break a text between words; a number keeps its unit; one line at least."""
-    bound = BOUND.sub(NO_BREAK, text)
-    lines = _wrap(bound, width, on_hyphens=False) or [""]
+    lines = _wrap(BOUND.sub(NO_BREAK, text), width, on_hyphens=False) or [""]
     return [line.replace(NO_BREAK, " ") for line in lines]
 
 
@@ -294,8 +293,7 @@ def _wrap(text: str, width: int, *, on_hyphens: bool = True) -> list[str]:
         )
     lines: list[str] = []
     line = ""
-    bound = re.sub(r"(?<=\d) (?=%)", NO_BREAK, text)
-    for word in bound.split(" "):
+    for word in re.sub(r"(?<=\d) (?=%)", NO_BREAK, text).split(" "):
         for place, unit in enumerate(BREAK.sub("\\1\n", word).split("\n")):
             space = " " if line and not place else ""
             if line and _columns(line) + len(space) + _columns(unit) > width:

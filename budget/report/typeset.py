@@ -294,8 +294,7 @@ def _plain_column(
     head = break_long(shorten(column.head, LONGEST_HEAD))
     if crowded or column.kind != "text":
         narrow = max(CROWDED_HEAD if crowded else NARROW_HEAD, longest)
-        lines = textwrap.wrap(head, width=narrow, break_long_words=False)
-        head = "\n".join(lines)
+        head = "\n".join(textwrap.wrap(head, width=narrow, break_long_words=False))
     widths = [text_width(line, bold=True) for line in head.split("\n")]
     widths += [text_width(c["plain"], bold=c["strong"]) for c in cells]
     widths += [SMALL * text_width(c["note"]) for c in cells]
@@ -426,10 +425,9 @@ def break_long(text: str) -> str:
 
 def _break_word(word: str) -> str:
     """Let a line end after signs, and where there are none for too long."""
-    pieces = re.split(r"(?<=[/_,;.:=-])(?=[^\s/_,;.:=-])", word)
     return BREAK.join(
         piece[start : start + UNBROKEN]
-        for piece in pieces
+        for piece in re.split(r"(?<=[/_,;.:=-])(?=[^\s/_,;.:=-])", word)
         for start in range(0, len(piece), UNBROKEN)
     )
 

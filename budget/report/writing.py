@@ -114,8 +114,7 @@ def bar(text: object, share: float) -> Marked:
 
 def share_bar(share: float) -> Marked:
     """Return a cell with a share of a variance in per cent, and a bar behind it."""
-    text = print_share(share).removesuffix(" %")
-    return bar(exact(text, share), float(share))
+    return bar(exact(print_share(share).removesuffix(" %"), share), float(share))
 
 
 def print_part(part: float) -> str:
@@ -148,8 +147,7 @@ def print_by_axis(values: Array) -> str:
     if len(set(printed)) == 1:
         return printed[0]
     names = AXES if len(printed) == len(AXES) else ANGLES
-    pairs = zip(names, printed, strict=True)
-    return _commas(f"{name} {text}" for name, text in pairs)
+    return _commas(f"{name} {text}" for name, text in zip(names, printed, strict=True))
 
 
 def _commas(texts: Iterable[str], mark: str = ", ") -> str:
@@ -159,8 +157,7 @@ def _commas(texts: Iterable[str], mark: str = ", ") -> str:
 
 def _each(records: Iterable[Any], write: Callable[[Any], Any]) -> list[Any]:
     """Return what a macro writes of each record, without the blanks around it."""
-    written = map(write, records)
-    return [one.strip() if isinstance(one, str) else one for one in written]
+    return [one.strip() if isinstance(one, str) else one for one in map(write, records)]
 
 
 def _lines(text: Markup) -> list[Markup]:

@@ -241,8 +241,7 @@ class Budget(Study):
         found: list[list[float | None]] = in_units(
             self.covariance, [row.output for row in self.outputs]
         ).tolist()
-        lengths = [k for k, one in enumerate(self.outputs) if one.output.length_of]
-        for k in lengths:
+        for k in [k for k, one in enumerate(self.outputs) if one.output.length_of]:
             for other in range(len(found)):
                 if other != k:
                     found[k][other] = found[other][k] = None

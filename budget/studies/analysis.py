@@ -397,7 +397,6 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
     assessment = assess(budget, requirement)
     judged = {row.output.name: row for row in assessment.outputs}
     lacks = open_to(question_of(budget), assessment)
-    rows = [row.lacking(lacks[row.output.name]) for row in budget.outputs]
     return replace(
         budget,
         assessment=assessment,
@@ -416,7 +415,7 @@ def _judge(budget: Budget, requirement: Requirement) -> Budget:
             # What is judged is judged at the medians.
             and row.interval_by != BY_PREDICTION
             else row
-            for row in rows
+            for row in [row.lacking(lacks[row.output.name]) for row in budget.outputs]
         ),
     )
 

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from budget.inputs.specification import time_of
 from budget.missing import line_of, shipped_devices
-from budget.missing.grades import FAMILIES, UNKNOWN, family, grade
+from budget.missing.grades import FAMILIES, UNKNOWN, grade, known_family
 from budget.missing.prediction import figures_of, predict, stand_in
 from budget.model.sources.later import AGEING, growth
 from budget.names import Name
@@ -126,7 +126,7 @@ def ceilings(
     expected = [own for own in wanted if stand_in(own).expected]
     asked = [own for own in expected if own not in given]
     upper: dict[Name, float] = {}
-    for word in (None,) if _family(device) else (None, *FAMILIES):
+    for word in (None,) if known_family(device) else (None, *FAMILIES):
         prediction = predict(device, asked, devices, technology=word)
         if prediction is not None:
             ends = prediction.interval(COVERAGE)[:, 1].tolist()
@@ -137,7 +137,7 @@ def ceilings(
         if own not in wanted:
             continue
         source = stand_in(own)
-        own_family, own_grade = _family(device), grade(there[own.owner])
+        own_family, own_grade = known_family(device), grade(there[own.owner])
         offers = [
             one
             for one in _printed(devices).get((own.owner, source.name), ())
@@ -204,7 +204,7 @@ def printed_by_others(
     None where fewer than FEW print it: that is no measure.
     """
     devices = tuple(shipped_devices() if catalogue is None else catalogue)
-    itself, own_family = device.as_printed, _family(device)
+    itself, own_family = device.as_printed, known_family(device)
     found = [
         one
         for one in _printed(devices).get((name.owner, name.quantity), ())
@@ -218,12 +218,6 @@ def _expected(name: Name) -> Name:
     """Return the expected line that a name is of, or the name itself."""
     source = stand_in(name)
     return Name(source.expected or source.name, owner=name.owner)
-
-
-def _family(device: Device) -> str:
-    """Return the family of a device; '' of a word that is no technology we know."""
-    found = family(device.technology)
-    return found if found in FAMILIES else ""
 
 
 @lru_cache(maxsize=2)
@@ -241,7 +235,7 @@ def _printed(
                             u=u,
                             printed=line.printed,
                             owner=device.as_printed,
-                            family=_family(device),
+                            family=known_family(device),
                             grade=grade(sensor),
                         )
                     )

@@ -111,10 +111,9 @@ def compensations(
         parameters = replace(question.alone(kind), requirement=None).problem
         invert = inversion_of(sensor, parameters)
         problem = parameters.then(invert, outputs_of(sensor, parameters))
-        angles = [n for n in needed if n.quantity == "mounting_angle"]
         of_bias, of_angles = (
             tuple(dict.fromkeys(line for name in own for line in question.lacks[name]))
-            for own in (needed, angles)
+            for own in (needed, [n for n in needed if n.quantity == "mounting_angle"])
         )
         found[kind] = Compensation(
             sensor=kind,

@@ -102,12 +102,11 @@ def _assess(question: Question, requirement: Requirement, *, seed: int) -> Asses
         own = question.alone(owner)
         if (held := own.held) is None:
             continue
-        prediction = own.filled.prediction
         judged = judge(
             held,
             seed=seed,
             # What missing lines leave open, no trial decides.
-            max_trials=TRIALS if prediction else MAX_TRIALS,
+            max_trials=TRIALS if own.filled.prediction else MAX_TRIALS,
         )
         if own.has_lines:
             found.append(judged)
@@ -158,8 +157,7 @@ def margins(question: Question) -> Iterator[tuple[Question, Margin]]:
         own = question.alone(owner)
         if own.held is None or not own.has_lines:
             continue
-        judged = screen(own.held, seed=0)
-        yield own, Margin.of(own, judged, seed=0)
+        yield own, Margin.of(own, screen(own.held, seed=0), seed=0)
 
 
 def open_to(

@@ -170,8 +170,7 @@ class Jointly:
     def by_law(self, weights: Array) -> float:
         """Return the same of the normal law of these covariances [1]."""
         C = self.rest + np.tensordot(weights, self.parts, axes=1)
-        points = normal_points(self.of.rows.size)
-        largest = _largest(self.of, C, points, _steady_root)
+        largest = _largest(self.of, C, normal_points(self.of.rows.size), _steady_root)
         return ends_together(largest, self.coverage).largest
 
     @cached_property

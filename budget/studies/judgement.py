@@ -294,9 +294,8 @@ def _first_trials(
     known: Array | None = None,
 ) -> Array:
     """Return the outputs `_drawn_rows` in the first trials, (n_drawn, trials) [SI]."""
-    rows = _drawn_rows(held)
     return first_trials(
-        held.problem, trials=trials, seed=seed, outputs=rows, known=known
+        held.problem, trials=trials, seed=seed, outputs=_drawn_rows(held), known=known
     )
 
 
@@ -324,8 +323,7 @@ def _of_trials(values: Array, held: Limited) -> _OfTrials:
 
     An output that varies by rounding alone is left to the law.
     """
-    first = alike(held.problem, held.law)[held.rows]
-    place = np.searchsorted(_drawn_rows(held), first)
+    place = np.searchsorted(_drawn_rows(held), alike(held.problem, held.law)[held.rows])
     (each, coverage), back = np.unique(
         np.stack([place, held.coverage]), axis=1, return_inverse=True
     )

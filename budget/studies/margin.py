@@ -150,7 +150,8 @@ class Margin:
         tests = [_of_test(question, name, sizes[name]) for name in in_test]
         places = {group.name: k for k, group in enumerate(whole.problem.groups)}
         acting: dict[str, tuple[Name, ...]] = {
-            name: (_name_of(name, one),) for name, one in (missing | probes).items()
+            name: (Name(one.name, owner=name.owner),)
+            for name, one in (missing | probes).items()
         }
         acting |= {name: (one.source,) for name, one in stands.items()}
         for key in uses:
@@ -311,8 +312,7 @@ class Margin:
         if self.factor[0] is not self.factor[1]:
             grown = np.minimum(added, top) / np.maximum(top, TINY)
             factor = factor + (self.factor[1] - factor) * grown
-        variance = np.maximum(self.rest[:, 0, 0] + added, 0.0)
-        ends = self.mean + factor * np.sqrt(variance)
+        ends = self.mean + factor * np.sqrt(np.maximum(self.rest[:, 0, 0] + added, 0.0))
         if self.ratio.any():
             C = self.rest + np.tensordot(weights, self.parts, axes=1)
             for j in np.flatnonzero(self.ratio):
@@ -473,11 +473,6 @@ def _is_suspected(question: Question, name: Name) -> bool:
     return is_level and name.quantity in IN_GRAVITY and not unstated(question)
 
 
-def _name_of(name: Name, line: ErrorLine) -> Name:
-    """Return the source that stands for a line."""
-    return Name(line.name, owner=name.owner)
-
-
 def _standing(question: Question, name: Name, u: float) -> ErrorLine:
     """Return the line that stands for one that is not given, of a size [SI].
 
@@ -499,8 +494,7 @@ def _of_test(question: Question, name: Name, size: float) -> Array:
     Alone, as its sign beside that of others is not known: shape (1, n_required, 2, 2).
     """
     line = line_of(stand_in(name), name.owner, size)
-    alone = question.with_lines({name: line}, less=COEFFICIENTS)
-    own = alone.limits
+    own = question.with_lines({name: line}, less=COEFFICIENTS).limits
     there = temperatures_of_test(question)
     rows = [k for k, group in enumerate(own.problem.groups) if group.name in there]
     return np.asarray(_parts(own)[rows].sum(axis=0, keepdims=True))

@@ -323,8 +323,7 @@ def bought(question: Question, budget: Budget | None = None) -> tuple[Calibrated
         if name != INTERACTION and name.owner not in {AIDING, ALIGNMENT}
     }
     because = [*more][first_largest([*more.values()])]
-    worse = replace(last_one, worse_than=maker.name, because=because)
-    return (*found[:-1], worse)
+    return (*found[:-1], replace(last_one, worse_than=maker.name, because=because))
 
 
 DECIMALS = 9  # of a time in s, which is the sum of steps
@@ -374,8 +373,7 @@ def _learnt(question: Question, journey: Aided, mission: Mission) -> Iterator[Le
     columns = columns_of(names, tuple(map(Sensing.of, sensors)))
     growth = journey.filter.growth
     biases = columns(growth.first) * [name.quantity == BIAS for name in names]
-    rate = question.procedure.sample_rate
-    lines = noises_of(question.sensors, sample_rate=rate)
+    lines = noises_of(question.sensors, sample_rate=question.procedure.sample_rate)
     noises = [part for _, parts in lines for part in parts if part.u]
     t = np.cumsum(growth.steps.durations)[list(growth.steps.asked)]
     for end in _ends(mission, t):

@@ -126,9 +126,8 @@ def _unusual(
             time = line.correlation_time
             is_stability = source_of(sensor.kind, line.name).value == "stability"
             if is_stability and time is not None and time.min() < SHORT:
-                shortest = float(time.min())
                 yield _on_line(
-                    NO_TIME, "conditions.no_correlation", name, time=shortest
+                    NO_TIME, "conditions.no_correlation", name, time=float(time.min())
                 )
 
 

@@ -635,7 +635,9 @@ def _probe(case: _Case) -> _Probe:
         + tuple(line for name, line in lines.items() if name.owner == ENVIRONMENT),
     )
     problem = case.problem(procedure)
-    law = _with_all(scaled_law(problem), list(lines)).centred()
+    whole = scaled_law(problem)
+    there = [name for name in lines if name in whole.sources]
+    law = whole.select_sources(there).over([*lines]).centred()
     zero = np.array([output.resolution**2 for output in problem.outputs])
     law = replace(
         law,
@@ -657,18 +659,6 @@ def _probe(case: _Case) -> _Probe:
             if counts and name in assumed
         ),
     )
-
-
-def _with_all(law: ScaledLaw, names: Sequence[Name]) -> ScaledLaw:
-    """Return the law of the sources of these names; 0 of those that it has not."""
-    has = [place for place, name in enumerate(names) if name in law.sources]
-    own = law.select_sources([names[place] for place in has])
-    n_out, n_src = len(law.outputs), len(names)
-    shift, first = np.zeros((2, n_out, n_src))
-    second = np.zeros((n_out, n_src, n_src))
-    shift[:, has], first[:, has] = own.shift, own.first
-    second[:, np.array(has)[:, None], has] = own.second
-    return replace(own, sources=(*names,), shift=shift, first=first, second=second)
 
 
 def _moved(law: ScaledLaw) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

@@ -13,7 +13,6 @@ from budget.report.formulas import with_math
 from budget.report.pages import blocks, document
 from budget.report.provenance import provenance_section
 from budget.report.tables import print_given, round_uncertainty
-from budget.version import __version__
 from zhao_2019.figures import print_ratio, ratio_chart, sweep_plot
 from zhao_2019.printed import (
     U_MEAN,
@@ -44,7 +43,6 @@ def paper_document(study: PaperStudy, *, date: str) -> Document:
     provenance = provenance_section(
         study.inputs,
         None,
-        version=__version__,
         command_line=COMMAND if is_english else f"{COMMAND} --language {spoken()}",
     )
     document = json_text(study.to_dict())

@@ -21,7 +21,7 @@ from budget.missing.grades import grade
 from budget.model.sources import lines_of
 from budget.names import DERIVED, IMU, Name
 from budget.question import question_of
-from budget.report.allocation.page import allocation_answer, allocation_section
+from budget.report.allocation import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.analysis.what_if import what_if_section
 from budget.report.comparison.figures import front_plot

@@ -312,7 +312,6 @@ def check_named(found, blunder):
 
 
 @pytest.mark.slow
-<<<<<<< ours
 def test_a_rotation_of_both_triads_is_seen_against_north_alone(folder):
     """It is another body frame: of an azimuth that nobody knows it is no mistake."""
     rotated = ("axes_rotated=yzx",)
@@ -329,7 +328,8 @@ def test_a_rotation_of_both_triads_is_said_not_to_be_shown(azimuth):
     found = unseen_mistakes(load_device(MEMS), how).unseen
     gyro = {x.name: x.probability for x in found if x.sensor == "gyro"}
     assert (gyro.get("axes_rotated", 1.0) < 0.002) == bool(azimuth)
-=======
+
+
 def test_turns_stand_in_the_result_and_on_the_page(folder):
     """All 17, by the angles that they were, with what is left beside its u."""
     found = found_of(folder, table())
@@ -347,4 +347,3 @@ def test_turns_stand_in_the_result_and_on_the_page(folder):
     titles = [str(one.title) for one in charts]
     assert titles[1].startswith("Gyro: the turn from rest")
     assert "axis" not in titles[2]
->>>>>>> theirs

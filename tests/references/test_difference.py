@@ -28,7 +28,7 @@ from budget.references.records import (
     Snapshot,
     known_now,
 )
-from budget.report.reference.sections import move_table
+from budget.report.reference import move_table
 
 PAIRS = 30
 TRIALS = 2000

@@ -95,8 +95,7 @@ def _peaks(owner: str, procedure: Procedure) -> tuple[Peak, ...]:
 @lru_cache(maxsize=64)
 def largest_of_test(owner: str, procedure: Procedure) -> Peak:
     """Return the largest input of a triad in the windows of a test, for all devices."""
-    schedule = scheme_of(owner, procedure).schedule
-    peaks = peaks_of_test(owner, schedule, procedure.place)
+    peaks = peaks_of_test(owner, scheme_of(owner, procedure).schedule, procedure.place)
     return max(peaks, key=lambda peak: peak.size)
 
 

@@ -156,8 +156,7 @@ def _shown(effect: Disturbance, line: Given, triad: Triad, sensor: Sensor) -> Ar
         return np.zeros((3, n, 0))
     joint = effect.covariance(line, (triad,))
     if joint is None:
-        size = effect.size(line, triad.scheme)
-        joint = np.diag(np.resize(line.u, size) ** 2)
+        joint = np.diag(np.resize(line.u, effect.size(line, triad.scheme)) ** 2)
     u = np.sqrt(np.diag(joint))
     x = np.diag(u)[effect.part((triad,), 0)]
     trials = x.shape[1]

@@ -80,8 +80,7 @@ from budget.model.sources.temperature import (
     TemperatureRamp,
     WarmUp,
 )
-from budget.model.sources.timing import Clock, EdgeJitter, RateError
-from budget.model.sources.turn_angle import TurnAngle
+from budget.model.sources.timing import Clock, EdgeJitter, RateError, TurnAngle
 from budget.names import ANGLES, AXES, ONE_VALUE
 
 if TYPE_CHECKING:

@@ -308,7 +308,9 @@ def _wrong_noise(effect: Noise, given: Given) -> Iterator[str]:
     size = 0.0 if wrong else float(np.trace(C))
     if not wrong and not np.allclose(reduced, W @ C @ W.T, ALIKE, ALIKE * size):
         wrong.append("its reduce is not W C W^T of its covariance C")
-    if not wrong and (abs(C - C.T).max() > ALIKE * size or _least(C) < -ALIKE * size):
+    if not wrong and (
+        abs(C - C.T).max() > ALIKE * size or np.linalg.eigvalsh(C).min() < -ALIKE * size
+    ):
         wrong.append("its covariance is none: not symmetric, or of a negative variance")
     yield from wrong
     run = process.in_run(RATE)
@@ -317,11 +319,6 @@ def _wrong_noise(effect: Noise, given: Given) -> Iterator[str]:
     draw = effect.sampler(given, np.random.default_rng(0), RATE)
     at = Samples(n=5, dt=1.0 / RATE, first=0.5 / RATE)
     yield from _wrong_shape("samples", draw(at), (len(AXES), at.n))
-
-
-def _least(C: Array) -> float:
-    """Return the least eigenvalue of a matrix."""
-    return float(np.linalg.eigvalsh(C).min())
 
 
 def _wrong_shape(what: str, found: Any, shape: tuple[int, ...]) -> Iterator[str]:  # noqa: ANN401

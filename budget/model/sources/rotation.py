@@ -230,7 +230,6 @@ def _rotated(
     """Return M du, summed over the inputs."""
     shown = np.zeros((np.prod(shape), x.shape[1]), dtype=x.dtype)
     for row, places, sine, versine in parts:
-        half = np.sin(0.5 * x[row])
-        less = 2.0 * half**2
+        less = 2.0 * np.sin(0.5 * x[row]) ** 2
         shown[places] += sine[:, None] * np.sin(x[row]) - versine[:, None] * less
     return truth.see_each(shown.reshape(*shape, -1))

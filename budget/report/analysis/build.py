@@ -34,14 +34,13 @@ from budget.report.inputs import (
     print_degrees,
     procedure_section,
 )
-from budget.report.pages import document, line
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.pages import document, line, section
+from budget.report.provenance import provenance_section
 from budget.report.standing import NAMES, counting, keyed, missing
 from budget.report.tables import group_tables, print_coverage
 from budget.studies.conditions import calibration_words
 from budget.studies.evidence import in_doubt
 from budget.studies.what_if import one_at_a_time
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -145,10 +144,9 @@ def report_document(
         "provenance": provenance_section(
             (*budget.inputs, *_further_inputs(budget, extras)),
             budget.settings,
-            version=__version__,
             command_line=command_line,
         ),
-        "sign_off": sign_off_section(),
+        "sign_off": section("sign_off"),
     }
     found = document(
         "report",

@@ -21,7 +21,7 @@ from budget.report.figures.contributions import (
 )
 from budget.report.figures.rows import chart_picture
 from budget.report.figures.sources import sobol_chart
-from budget.report.pages import blocks, line, sections
+from budget.report.pages import blocks, line, section, sections
 from budget.report.standing import mode_sentence, not_given_lines
 from budget.report.tables import (
     DASH,
@@ -218,15 +218,13 @@ def budget_section(
     drawn = [
         (group, _pictures(group, assessment) if full else None) for group in groups
     ]
-    sensors = {group.sensor for group in groups}
-    (section,) = sections(
+    return section(
         "analysis/budget",
         groups=drawn,
         procedure=procedure,
-        sensors=sensors,
+        sensors={group.sensor for group in groups},
         full=full,
     )
-    return section
 
 
 def _pictures(group: GroupTable, assessment: Assessment | None) -> Abreast | None:

@@ -13,7 +13,7 @@ from budget.model.sources import source_of
 from budget.names import by_group, parameters_of
 from budget.question import sensors_of
 from budget.report.formulas import check_formula
-from budget.report.pages import sections
+from budget.report.pages import section
 from budget.report.standing import error_reference
 from budget.sentences import described
 from budget.settings import further
@@ -59,7 +59,7 @@ def method_section(
             if effect.formula:
                 said = noises if isinstance(effect, Noise) else others
                 said[effect.formula] = described(effect.letters)
-    (section,) = sections(
+    return section(
         "method",
         full=full,
         settings=settings,
@@ -72,7 +72,6 @@ def method_section(
         noises=noises.items(),
         others=others.items(),
     )
-    return section
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,7 +32,7 @@ from budget.report.mission import (
     units_of,
 )
 from budget.report.pages import document, sections
-from budget.report.provenance import provenance_section, sign_off_section
+from budget.report.provenance import endings
 from budget.report.route import way_of
 from budget.report.standing import (
     NAMES,
@@ -52,7 +52,6 @@ from budget.report.writing import capital
 from budget.results import BY_PREDICTION
 from budget.studies.conditions import calibration_words, use_words
 from budget.studies.mission import curve, drawn_times
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -61,7 +60,6 @@ if TYPE_CHECKING:
     from budget.results import Assessment, Budget
     from budget.studies.mission import Curve
 
-COMMAND = "budget mission"
 # Sections on a terminal that page one, cautions and inputs of a page have.
 ON_PAGE_ONE = {"not-given", "assumptions", "warnings"}
 MOST = 4  # cautions and assumptions on page one
@@ -109,7 +107,7 @@ def mission_section(budget: Budget, figures: Sequence[Picture] = ()) -> Section:
 
 
 def mission_document(
-    budget: Budget, *, date: str, command_line: str = COMMAND
+    budget: Budget, *, date: str, command_line: str = "budget mission"
 ) -> Document:
     """Put a mission into one document: the finding, errors, what they rest on."""
     question, assessment = question_of(budget), budget.assessment
@@ -142,13 +140,7 @@ def mission_document(
             assumed=[one for one in budget.assumptions if one not in rests[:MOST]],
             parted=keyed,
         ),
-        provenance_section(
-            budget.inputs,
-            budget.settings,
-            version=__version__,
-            command_line=command_line,
-        ),
-        sign_off_section(),
+        *endings(budget.inputs, budget.settings, command_line=command_line),
         json=to_json(budget),
         date=date,
     )

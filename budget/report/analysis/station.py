@@ -10,7 +10,7 @@ from budget.inputs.use import LINES
 from budget.known import Known
 from budget.model.sources import SENSORS, SHARED, source_of
 from budget.question import given_lines
-from budget.report.pages import sections
+from budget.report.pages import section
 from budget.report.tables import (
     NO_SHARE,
     SMALL_SHARE,
@@ -77,7 +77,7 @@ def station_section(
         for name, source in sources.items()
         if source.varies and max(_by_group(groups, [name])) < LEAST_SAID
     ]
-    (section,) = sections(
+    return section(
         "analysis/station",
         budget=budget,
         groups=groups,
@@ -108,7 +108,6 @@ def station_section(
         NO_SHARE=NO_SHARE,
         LEAST_SAID=LEAST_SAID,
     )
-    return section
 
 
 def _share(row: OutputBudget, names: Collection[str]) -> float:

@@ -223,10 +223,9 @@ def _at_the_end(carried: Budget) -> Iterator[AnswerRow]:
             like = HEADING if axis == HEADING else quantity
             unit, scale = unit_for(like, row.largest_error)
             output = replace(row.output, unit=unit, si_per_unit=scale)
-            u = row.standard_uncertainty
             yield AnswerRow(
                 title=key_title(row.output.name),
-                error=round_error(row.largest_error, u, output),
+                error=round_error(row.largest_error, row.standard_uncertainty, output),
                 unit=unit,
                 after=calibration_words(question_of(carried).procedure),
                 **_made_of(row, [row.output.name]),
@@ -251,8 +250,7 @@ def _made_of(row: OutputBudget, outputs: Sequence[Name]) -> dict[str, Any]:
     rest = fsum(one.share for one in ranked[len(parts) :])
     if parts and rest >= SMALL_SHARE:
         text = say("rest {rest}", rest=print_share(rest))
-        colour = look_of(OTHER)[0]
-        parts.append(Share(name=OTHER, text=text, share=rest, colour=colour))
+        parts.append(Share(name=OTHER, text=text, share=rest, colour=look_of(OTHER)[0]))
     return {
         "shares": Shares(outputs=tuple(dict.fromkeys(outputs)), parts=tuple(parts)),
         "said": print_contributions([(title, one.share) for title, one in titles]),

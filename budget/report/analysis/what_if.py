@@ -13,7 +13,7 @@ from budget.question import sensors_of
 from budget.report.blocks import Section, Sliders
 from budget.report.device_file import LONGEST_NAME, MARK, device_yaml, is_read_back
 from budget.report.mission import outputs_at_end
-from budget.report.pages import blocks, sections
+from budget.report.pages import blocks, section
 from budget.report.tables import (
     as_limited,
     print_coverage,
@@ -97,7 +97,7 @@ def what_if_section(
         },
         table=table,
     )
-    (section,) = sections(
+    return section(
         "analysis/what_if",
         budget=budget,
         assessment=budget.assessment,
@@ -109,13 +109,11 @@ def what_if_section(
         AIDING=AIDING,
         BY_LAW=BY_LAW,
     )
-    return section
 
 
 def _improved(row: SourceSteps) -> SourceSteps:
     """Return what a better specification would change; a worse one has sliders."""
-    steps = tuple(step for step in row.steps if step.factor <= 1.0)
-    return replace(row, steps=steps)
+    return replace(row, steps=tuple(step for step in row.steps if step.factor <= 1.0))
 
 
 def _device_file(budget: Budget, devices: Sequence[Device]) -> str:

@@ -42,7 +42,6 @@ from budget.report.tables import print_chance, settings_lines, used_part
 from budget.results import VERDICTS
 from budget.studies.comparison.records import NUMBERED
 from budget.studies.figures_of_merit import MERITS, over_cap
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -51,7 +50,6 @@ if TYPE_CHECKING:
     from budget.report.comparison.tables import Ranking, Request
     from budget.studies.comparison.records import Comparison, Entrant
 
-COMMAND = "budget compare"
 PAIRS_SHOWN = 20
 FEW = 2  # devices that are named, even where they are all
 MANY = 6  # names in a sentence; of more, some are counted
@@ -59,14 +57,13 @@ BEST = 3  # devices of each sensor in a brief answer
 
 
 def comparison_document(
-    comparison: Comparison, *, date: str, command_line: str = COMMAND
+    comparison: Comparison, *, date: str, command_line: str = "budget compare"
 ) -> Document:
     """Put a comparison into one document, the answer first."""
     page = document("comparison", **_view(comparison, rankings(comparison)))
     provenance = provenance_section(
         comparison.inputs,
         comparison.settings,
-        version=__version__,
         command_line=command_line,
     )
     text = "".join(json_pieces(document_of(comparison)))

@@ -206,8 +206,7 @@ def _windows(sensor: str, procedure: Procedure) -> list[list[Window]]:
     if procedure.formulas in UNCALIBRATED or not calibrates(sensor, procedure):
         return []
     groups: list[list[Window]] = []
-    windows = schedule_of(sensor, procedure).windows
-    for one in sorted(windows, key=attrgetter("length")):
+    for one in sorted(schedule_of(sensor, procedure).windows, key=attrgetter("length")):
         if groups and one.length <= APART * groups[-1][0].length:
             groups[-1].append(one)
         else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from itertools import groupby
 from math import ceil, floor, log10
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -25,18 +25,23 @@ from budget.report.pages import figure
 from budget.ties import first_largest
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
     from types import SimpleNamespace
 
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from budget.recordings.records import AllanRow, Characterisation, SpectrumRow
+
+T = TypeVar("T")
+Look = dict[str, Any]  # of a line, as matplotlib has it
 
 PAGE = "figures_recorded"
 LOOKS: Mapping[str, tuple[str, str]] = dict(
     zip(AXES, ((BLUE, "-"), (VERMILION, "--"), (GREEN, ":")), strict=True)
 )
 ABOVE, HEIGHT, BELOW, LEFT, RIGHT = 16.0, 170.0, 34.0, 52.0, 40.0  # [pt]
+CURVES = ("deviation", "interval_low", "interval_high", "model", "white", "slow")
 SURE = 20.0  # degrees of freedom, of what the title says [1]
 ROOM = 1.3  # beyond the ends of the curves [1]
 
@@ -60,15 +65,12 @@ def spectrum_plots(found: Characterisation) -> list[Plot]:
 def _spectrum(sensor: str, rows: Sequence[SpectrumRow]) -> Plot:
     """Show the spectrum of one sensor over that of its models."""
     curves = {axis: [*own] for axis, own in groupby(rows, key=lambda one: one.axis)}
-    ratios = [max(one.ratio, 1.0 / one.ratio) for one in rows]
-    worst = rows[first_largest(ratios)]
-    places = sorted({one.frequency for one in rows})
     told, table = figure(
         PAGE,
         "spectrum",
         sensor=sensor,
         axes=[*curves],
-        worst=worst,
+        worst=rows[first_largest([max(one.ratio, 1.0 / one.ratio) for one in rows])],
         rows=[
             (
                 place,
@@ -77,7 +79,7 @@ def _spectrum(sensor: str, rows: Sequence[SpectrumRow]) -> Plot:
                     for own in curves.values()
                 ],
             )
-            for place in places
+            for place in sorted({one.frequency for one in rows})
         ],
     )
     return Plot(
@@ -95,10 +97,13 @@ def _draw_spectrum(
     """Draw ratios over frequency."""
     every = [row for own in curves.values() for row in own]
     ratios = [one.ratio for one in every]
+
+    def curve(axes: Axes, own: Sequence[SpectrumRow], look: Look) -> float:
+        axes.plot([one.frequency for one in own], [one.ratio for one in own], **look)
+        return own[-1].ratio
+
     log = partial(Scale, kind="log", most=9)
-    drawing = blank(ABOVE + HEIGHT + BELOW)
-    axes = add_plane(
-        drawing,
+    return draw_axes(
         log(
             low=min(one.frequency for one in every) / ROOM,
             high=max(one.frequency for one in every) * ROOM,
@@ -109,24 +114,10 @@ def _draw_spectrum(
             high=max(3.0, max(ratios) * ROOM),
             label=told.axis,
         ),
-        left=LEFT,
-        top=ABOVE,
-        right=RIGHT,
-        height=HEIGHT,
+        curves.items(),
+        curve,
+        zero=(1.0, 0.7),
     )
-    axes.axhline(1.0, color=INK, linewidth=0.7)
-    ends = []
-    looks: dict[str, Mapping[str, Any]] = {}
-    for axis, own in curves.items():
-        colour, dash = LOOKS[axis]
-        look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.1}
-        axes.plot([one.frequency for one in own], [one.ratio for one in own], **look)
-        ends.append((own[-1].ratio, axis))
-        looks[axis] = look
-    name_lines(axes, ends, looks)
-    for spine in axes.spines.values():
-        spine.set_color(INK)
-    return drawing
 
 
 def _plot(sensor: str, rows: Sequence[AllanRow], *, is_warm: bool) -> Plot:
@@ -136,7 +127,6 @@ def _plot(sensor: str, rows: Sequence[AllanRow], *, is_warm: bool) -> Plot:
     sure = [one.tau for one in rows if one.edf >= SURE] or taus[:1]
     there = [one for one in rows if one.tau == max(sure)]
     worst = there[first_largest([one.deviation for one in there])]
-    scale = worst.si_per_unit
     told, table = figure(
         PAGE,
         "recorded",
@@ -153,7 +143,7 @@ def _plot(sensor: str, rows: Sequence[AllanRow], *, is_warm: bool) -> Plot:
             )
             for tau in taus
         ],
-        scale=scale,
+        scale=worst.si_per_unit,
         warm=is_warm,
     )
     return Plot(
@@ -172,40 +162,56 @@ def _draw(curves: Mapping[str, Sequence[AllanRow]], told: SimpleNamespace) -> Fi
     low = min(min(one.interval_low, one.model) for one in every) / scale / ROOM
     high = max(max(one.interval_high, one.model) for one in every) / scale * ROOM
     taus = [one.tau for one in every]
+
+    def curve(axes: Axes, own: Sequence[AllanRow], look: Look) -> float:
+        x, colour = [one.tau for one in own], look["color"]
+        deviation, band_low, band_high, model, *parts = (
+            np.array([getattr(one, name) for one in own]) / scale for name in CURVES
+        )
+        axes.fill_between(x, band_low, band_high, color=colour, alpha=0.2, linewidth=0)
+        axes.plot(x, deviation, "o", markersize=2.6, color=colour, markeredgewidth=0.0)
+        axes.plot(x, model, **look)
+        for part in parts:
+            axes.plot(x, part, color=colour, linewidth=0.5, alpha=0.6)
+        return float(model[-1])
+
     log = partial(Scale, kind="log", most=9)
-    drawing = blank(ABOVE + HEIGHT + BELOW)
-    axes = add_plane(
-        drawing,
+    return draw_axes(
         log(
             low=10.0 ** floor(log10(min(taus))),
             high=10.0 ** ceil(log10(max(taus))),
             label=told.time_axis,
         ),
         log(low=low, high=high, label=told.axis),
-        left=LEFT,
-        top=ABOVE,
-        right=RIGHT,
-        height=HEIGHT,
+        curves.items(),
+        curve,
+        width=1.3,
     )
+
+
+def draw_axes(
+    x: Scale,
+    y: Scale,
+    curves: Iterable[tuple[str, T]],
+    curve: Callable[[Axes, T, Look], float],
+    *,
+    zero: tuple[float, float] | None = None,
+    width: float = 1.1,
+) -> Figure:
+    """Draw a curve for each axis of a sensor, named where it ends, as `curve` says.
+
+    `zero` is where a line stands that they are held against, and how wide it is.
+    """
+    drawing = blank(ABOVE + HEIGHT + BELOW)
+    axes = add_plane(drawing, x, y, left=LEFT, top=ABOVE, right=RIGHT, height=HEIGHT)
+    if zero is not None:
+        axes.axhline(zero[0], color=INK, linewidth=zero[1])
     ends = []
-    looks: dict[str, Mapping[str, Any]] = {}
-    for axis, own in curves.items():
+    looks: dict[str, Look] = {}
+    for axis, own in curves:
         colour, dash = LOOKS[axis]
-        x = [one.tau for one in own]
-        deviation, band_low, band_high, model = (
-            np.array([getattr(one, name) for one in own]) / scale
-            for name in ("deviation", "interval_low", "interval_high", "model")
-        )
-        axes.fill_between(x, band_low, band_high, color=colour, alpha=0.2, linewidth=0)
-        axes.plot(x, deviation, "o", markersize=2.6, color=colour, markeredgewidth=0.0)
-        look: dict[str, Any] = {"color": colour, "linestyle": dash, "linewidth": 1.3}
-        axes.plot(x, model, **look)
-        for part in ("white", "slow"):
-            size = np.array([getattr(one, part) for one in own]) / scale
-            axes.plot(x, size, color=colour, linewidth=0.5, alpha=0.6)
-        ends.append((float(model[-1]), axis))
-        looks[axis] = look
+        look = looks[axis] = {"color": colour, "linestyle": dash, "linewidth": width}
+        ends.append((curve(axes, own, look), axis))
     name_lines(axes, ends, looks)
-    for spine in axes.spines.values():
-        spine.set_color(INK)
+    axes.spines[:].set_color(INK)
     return drawing

@@ -185,8 +185,7 @@ def schedule_sections(
 ) -> tuple[Section, ...]:
     """Draw the schedule of each triad as text: '#' turns, '=' stands."""
     tracks = make_tracks(procedure, sensors)
-    longest = max((track.end for track in tracks), default=1.0)
-    scale = TEXT_TRACK / longest
+    scale = TEXT_TRACK / max((track.end for track in tracks), default=1.0)
     return sections("schedule", tracks=tracks, scale=scale, most_drawn=MOST_DRAWN)
 
 
@@ -199,7 +198,6 @@ def make_tracks(
         if sensor not in sensors:
             continue
         windows = schedule_of(sensor, procedure).windows
-        gaps = [b.start - a.end for a, b in pairwise(windows)]
         own = TriadSchedule(
             sensor=sensor,
             windows=windows,
@@ -211,7 +209,7 @@ def make_tracks(
                     len(windows) - 1,
                 ),
             ),
-            pause=min(gaps, default=0.0),
+            pause=min([b.start - a.end for a, b in pairwise(windows)], default=0.0),
         )
         if not procedure.windows and procedure.formulas in BY_NAME:
             named = _gyro_named if sensor == "gyro" else _accelerometer_named

@@ -384,8 +384,7 @@ def _together(cases: Sequence[SensorCase]) -> list[SensorCase]:
     found = []
     for case in cases[:-1]:
         s = np.array([by_name[name] for name in case.task.law.sources])
-        bound = itertools.compress(case.task.law.outputs, case.task.binding(s))
-        kept = {*bound}
+        kept = {*itertools.compress(case.task.law.outputs, case.task.binding(s))}
         checks = tuple(check for check in case.checks if check.output in kept)
         found.append(replace(case, s=s, checks=checks))
     return [*found, last]

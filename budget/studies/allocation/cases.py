@@ -260,8 +260,7 @@ def shared_by_equals(task: Task, s: Array, factor: Array) -> Array:
     tell equal axes apart by their sampling alone. Shapes (n_src,) of the sources'
     factors and (n_out,) [1].
     """
-    one_k = replace(task, coverage_factor=np.ones_like(factor))
-    used = one_k.utilisation(s).tolist()
+    used = replace(task, coverage_factor=np.ones_like(factor)).utilisation(s).tolist()
     groups = [name.group for name in task.law.outputs]
     return np.array(
         [
@@ -283,8 +282,7 @@ def solve(case: SensorCase, strategy: str, costs: Costs | None) -> SensorCase:
     """
     found = _share_out(case, strategy, costs)
     for _ in range(RETUNINGS if case.is_tuned else 0):
-        law = case.law_of(found.factors)
-        task = replace(found.task, law=law)
+        task = replace(found.task, law=case.law_of(found.factors))
         before = found.task.utilisation(found.factors)
         off = np.abs(task.utilisation(found.factors) / before - 1.0).max()
         mattered = task.free & ~found.spared

@@ -100,8 +100,7 @@ def _changes_noise(case: SensorCase) -> bool:
             for place in range(len(_growing(sensor, procedure))):
                 setting = _growing(sensor, procedure)[place]
                 procedure = setting.change(setting.after(setting.now))
-    built = case.law_of(case.task.now, procedure)
-    return built.is_like(case.retimed(procedure))
+    return case.law_of(case.task.now, procedure).is_like(case.retimed(procedure))
 
 
 def _changed_laws(

@@ -199,8 +199,7 @@ def _of_line(
     known: KnownFigures, line: ErrorLine, symbol: str, unit: str, more: str = ""
 ) -> Figure:
     """Return a line as the figure that it is."""
-    said = f"{symbol} = {print_values(line.u)} {unit}{more}"
-    steps = (known.origin(line), said)
+    steps = (known.origin(line), f"{symbol} = {print_values(line.u)} {unit}{more}")
     return Figure(value=line.u, symbol=symbol, lines=(line.name,), steps=steps)
 
 
@@ -281,10 +280,8 @@ def _memory(known: KnownFigures) -> Figure:
     time = known.figure("correlation_time")
     if known.rate is None:
         raise Missing(needs="--rate HZ")
-    longest = float(np.max(time.value))
-    phi = np.exp(-1.0 / (known.rate * np.full(len(AXES), longest)))
-    said = f"phi = exp(-1/(f T)) = {print_number(float(phi[0]))}"
-    steps = (*time.steps, said)
+    phi = np.exp(-1.0 / (known.rate * np.full(len(AXES), float(np.max(time.value)))))
+    steps = (*time.steps, f"phi = exp(-1/(f T)) = {print_number(float(phi[0]))}")
     return Figure(value=phi, symbol="phi", lines=time.lines, steps=steps, power=0)
 
 
@@ -344,8 +341,7 @@ def _raw(known: KnownFigures, parameter: str) -> Figure:
     """Return the root sum square of the lines that shift a parameter."""
     axes, lines = PARAMETERS[parameter], _shifting(known, parameter)
     if not lines:
-        expected = known.name_of(Offset(parameter))
-        raise Missing(needs=known.name(expected), axes=axes)
+        raise Missing(needs=known.name(known.name_of(Offset(parameter))), axes=axes)
     value = np.sqrt(np.sum([line.u**2 for line in lines], axis=0))
     sum_ = "" if len(lines) == 1 else ", root sum square"
     return Figure(

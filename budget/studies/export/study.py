@@ -206,7 +206,9 @@ def export(
         left_out=tuple(filled_in.left_out.values()),
         not_held=tuple(_not_held(sensors, held | told.keys())),
         notes=(*target.notes, *_notes(target, known, entries)),
-        assumptions=assumptions if left is None else _all(assumptions, left),
+        assumptions=assumptions
+        if left is None
+        else tuple(dict.fromkeys((*assumptions, *left.assumptions))),
         warnings=() if left is None else left.warnings,
         missing=asked.missing,
         rate=rate,
@@ -214,11 +216,6 @@ def export(
         procedure=name,
         body=filled_in.text,
     )
-
-
-def _all(assumptions: Sequence[str], left: Budget) -> tuple[str, ...]:
-    """Return the assumptions of a residual with those of the figures."""
-    return tuple(dict.fromkeys((*assumptions, *left.assumptions)))
 
 
 def _check(target: Target, *, inflate: float, rate: float | None) -> None:

@@ -138,7 +138,8 @@ def _targets(_: Path | None) -> dict[str, Target]:
 
     environment = _environment()
     found = {}
-    for file in environment.list_templates(filter_func=_is_export):
+    every = environment.list_templates()
+    for file in (name for name in every if name.startswith("export/")):
         source = template_file(file).read_text("utf-8")
         said = {
             one.target.name: one.node.as_const()
@@ -151,11 +152,6 @@ def _targets(_: Path | None) -> dict[str, Target]:
         name = first_stem(file)
         found[name] = Target(name=name, file=file, source=source, **own)
     return found
-
-
-def _is_export(file: str) -> bool:
-    """Say whether a template is a target's."""
-    return file.startswith("export/")
 
 
 def find_target(name: str) -> Target:

@@ -21,7 +21,7 @@ from budget.model.source import TEST, Disturbance, Source
 from budget.model.sources import SOURCES, STATION, lines_of, source_of
 from budget.names import Name
 from budget.question import Question
-from budget.report.allocation.page import allocation_answer, allocation_section
+from budget.report.allocation import allocation_answer, allocation_section
 from budget.report.analysis.verdict import answer_rows
 from budget.report.figures.sources import coupling_chart, share_chart
 from budget.report.figures.style import looks

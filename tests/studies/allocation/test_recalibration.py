@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from reading import lines
 
 from budget import analyze, load_device, load_procedure, load_requirement
-from budget.report.allocation.page import allocation_section
+from budget.report.allocation import allocation_section
 from budget.studies.allocation.allocate import allocate
 from budget.units import DAY, MICRO_G, YEAR
 

@@ -1,4 +1,4 @@
-"""Reference budgets as sections: what moved, the largest first, and why."""
+"""Reference budgets as sections and documents: what moved, and why."""
 
 from __future__ import annotations
 
@@ -7,31 +7,31 @@ from itertools import accumulate
 from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
+from budget.documents import written
 from budget.known import Known
 from budget.language import key_title, words
 from budget.question import read_name
-from budget.references.difference import EXACT, FALSE_ALARM, TOOL
+from budget.references.difference import EXACT, FALSE_ALARM, TOOL, Difference, Move
+from budget.report.answers import LEAST_ROWS, decades
 from budget.report.document import json_of
-from budget.report.figures.rows import chart_picture
-from budget.report.pages import document, sections
-from budget.report.provenance import provenance_section, sign_off_section
-from budget.report.reference.figures import moves_chart
+from budget.report.figures.rows import Bar, Chart, ChartPanel, chart_picture, rows_of
+from budget.report.figures.style import Scale
+from budget.report.pages import document, figure, sections
+from budget.report.provenance import endings
 from budget.report.tables import (
     PLAIN_BELOW,
     round_value,
     source_title,
 )
 from budget.report.writing import capital
-from budget.version import __version__
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from budget.references.difference import Alteration, Difference, Move
+    from budget.references.difference import Alteration
     from budget.report.blocks import Document, Section
     from budget.results import InputFile
 
-COMMAND = "budget check"
 # What a reader looks at first; the other numbers follow from what moves these.
 PRINCIPAL = (
     "standard_uncertainty",
@@ -145,7 +145,7 @@ def check_document(
     files: Sequence[InputFile],
     *,
     date: str,
-    command_line: str = COMMAND,
+    command_line: str = "budget check",
 ) -> Document:
     """Put a check into one document: how many moved, which ones, by how much, why.
 
@@ -164,13 +164,9 @@ def check_document(
         EXACT=EXACT,
         FALSE_ALARM=FALSE_ALARM,
     )
-    provenance = provenance_section(
-        files, None, version=__version__, command_line=command_line
-    )
     return page.whole(
         "check",
-        provenance,
-        sign_off_section(),
+        *endings(files, command_line=command_line),
         json=json_of((checks, errors), "check"),
         date=date,
     )
@@ -201,8 +197,7 @@ def move_table(moves: Sequence[Move], changes: Sequence[Alteration] = ()) -> Mov
     chosen = sorted(first or numbers, key=lambda move: -move.size)[:MOST_ROWS]
     rows: dict[MovedRow, list[str]] = {}
     for move in chosen:
-        label = _split(move.item.subject)[1]
-        rows.setdefault(_row(move, changes), []).append(label)
+        rows.setdefault(_row(move, changes), []).append(_split(move.item.subject)[1])
     titles = list(dict.fromkeys(row.title for row in rows))
     return MoveTable(
         rows=tuple(
@@ -364,3 +359,105 @@ def _two_digits(value: float) -> str:
         return f"{value:.{max(1 - top, 0)}f}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{mantissa}e{int(exponent)}"
+
+
+MOST_DRAWN = 4  # references, and rows of each
+
+
+def moves_chart(moved: Sequence[tuple[str, Sequence[MovedRow]]]) -> Chart | None:
+    """Show the numbers of each reference that moved most, on one logarithmic axis.
+
+    None where hardly a number did, or they did from nothing.
+    """
+    sized = [
+        (name, [one for one in rows if 0.0 < 100.0 * one.size < inf][:MOST_DRAWN])
+        for name, rows in moved
+    ]
+    shown = sorted(
+        ((name, rows) for name, rows in sized if rows),
+        key=lambda pair: -pair[1][0].size,
+    )[:MOST_DRAWN]
+    parts = [100.0 * row.size for _, rows in shown for row in rows]
+    if len(parts) < LEAST_ROWS:
+        return None
+    low, high = decades(parts)
+    said, table = figure("figures_check", "moves", shown=shown)
+    scale = Scale(low=low, high=high, kind="log", label=said.axis)
+    drawn = rows_of(table, lambda at: [Bar(start=low, end=at.size)])
+    return Chart(
+        name="moves",
+        title=said.title,
+        panels=(ChartPanel(scale=scale, groups=drawn),),
+        table=table,
+        has_data=False,
+        caption=said.caption,
+    )
+
+
+def moved(differences: Sequence[Difference]) -> list[tuple[str, Move]]:
+    """Return what moved, each with the name of what it is in."""
+    return [(one.first, move) for one in differences for move in one.moves]
+
+
+def _because(move: Move) -> str:
+    """Say which changes explain how much of a move."""
+    because = [f"{one.key} {part}" for one, part in cause_texts(move)]
+    if together := together_text(move):
+        because.append(f"together {together}")
+    return "; ".join(because)
+
+
+written(
+    "difference_moved",
+    """
+    subject = item.subject: what it is of, 'gyro.bias.x', 'hg4930.yaml#C gyro'
+    quantity = item.quantity: 'standard_uncertainty', 'verdict', ...
+    partner = item.partner: a source, or the other output of a correlation
+    unit: of a number
+    before: null where there was none
+    after: null where there is none
+    difference [unit]: null of words
+    relative [1]: difference over the value before
+    sampled = is_sampled: whether another seed gives another value
+    times [1]: difference over its tolerance or, of a sampled number, over the standard
+      error of a difference
+    causes not in CSV: changes that explain some of it
+    together not in CSV [unit]: what all changes do at once beyond the sum of what each
+      does alone
+    because: in words, which changes explain it
+    """,
+    because=_because,
+)(Move)
+written(
+    "moved",
+    """
+    reference = 0 (str): in which
+    *1 as difference_moved
+    """,
+    said="One number or word that is not what it was.",
+)(tuple)
+written(
+    "difference",
+    """
+    first: how it is called
+    second
+    kind = job: 'analyze', 'mission', 'compare' or 'allocate'
+    compared: how many numbers and words
+    changes: of files, settings and versions
+    moved = moves as difference_moved: the largest change first
+    """,
+    commands="diff",
+)(Difference)
+written(
+    "check",
+    """
+    holds (bool): whether nothing moved and nothing is wrong with a reference
+    references = 0 as reference (tuple[Difference, ...])
+    moved as moved (tuple[Move, ...]): in all of them
+    errors = 1 (list[str]): of references that are none
+    """,
+    said="Two budgets side by side: a reference and what it is now, or any two.",
+    commands="check",
+    holds=lambda found: not found[1] and all(one.holds for one in found[0]),
+    moved=lambda found: moved(found[0]),
+)(tuple)

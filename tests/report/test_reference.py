@@ -11,7 +11,7 @@ from budget.known import Known
 from budget.references.difference import Alteration, Cause, Move
 from budget.references.records import Item
 from budget.report.blocks import Listing, Paragraph, Table
-from budget.report.reference.sections import (
+from budget.report.reference import (
     MOST_IDLE,
     MOST_ROWS,
     cause_texts,

@@ -13,11 +13,12 @@ from reading import assert_says, find, lines, on_terminal, rows
 from budget import load_device, load_procedure, load_requirement
 from budget.inputs.records import Limit
 from budget.names import Name
-from budget.report.allocation.figures import headroom_chart, waterfall_chart
-from budget.report.allocation.page import (
+from budget.report.allocation import (
     allocation_answer,
     allocation_section,
     figured,
+    headroom_chart,
+    waterfall_chart,
 )
 from budget.report.blocks import Document, Picture, Table
 from budget.report.figures.rows import draw

@@ -1,1 +1,0 @@
-"""The allocation for people and programs: formats only, computes nothing."""
