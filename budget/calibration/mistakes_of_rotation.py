@@ -147,11 +147,11 @@ class RotationRun:
         The accelerometers read their directions, (n, 3), by a mistake's `mix`.
         """
         now = turns.follow(found)
-        windows = now.windows
+        windows, by_mean = now.of_means
         schedule = Schedule(windows=windows)
         n, n_a = len(windows), len(self.turns.dwells)
         M = np.eye(3) + tilt_matrix(found.mounting_angle)
-        by_rate = np.asarray(now.by_rate @ np.linalg.inv(M))  # of y/K
+        by_rate = np.asarray(by_mean @ np.linalg.inv(M))  # of y/K
         B = np.swapaxes(by_rate, 1, 2).reshape(-1, 3 * n)
         C = B @ joint_covariance(self.sensor, self.procedure, schedule) @ B.T
         dwells = Schedule(windows=tuple(dwells_of(windows)))

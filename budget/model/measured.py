@@ -165,6 +165,8 @@ class _TracedStep:
         [s].
     vector : ndarray, shape (3,)
         Turn of the body [rad].
+    is_more : bool
+        Whether it is of the mean reading that the step before it is of.
     leg : MeasuredTurn or None
         The turn that has led here.
     """
@@ -173,6 +175,7 @@ class _TracedStep:
     start: float
     length: float = 0.0
     vector: Array = field(default_factory=lambda: np.zeros(3))
+    is_more: bool = False
     leg: MeasuredTurn | None = None
 
     @property
@@ -232,9 +235,31 @@ class FollowedTurns:
     @property
     def windows(self) -> tuple[Window, ...]:
         """Dwells and steps in the order of time, at measured attitudes."""
+        return self._windows(self.steps)
+
+    @cached_property
+    def of_means(self) -> tuple[tuple[Window, ...], Array]:
+        """Windows that have one mean reading each, and the derivatives by these.
+
+        The noise of a mean is one for all parts of its turn: shape (rows, n, 3) [s].
+        """
+        starts = [k for k, one in enumerate(self.steps) if not one.is_more]
+        ends = [*starts[1:], len(self.steps)]
+        means = [
+            replace(
+                self.steps[a],
+                length=sum(one.length for one in self.steps[a:b]),
+                vector=np.sum([one.vector for one in self.steps[a:b]], axis=0),
+            )
+            for a, b in zip(starts, ends, strict=True)
+        ]
+        return self._windows(means), np.add.reduceat(self.by_rate, starts, axis=1)
+
+    def _windows(self, steps: Sequence[_TracedStep]) -> tuple[Window, ...]:
+        """Return dwells and steps as windows."""
         found: list[Window] = []
         dwells, number = iter(self.dwells), 0
-        for one in self.steps:
+        for one in steps:
             if one.is_dwell:
                 dwell, number = next(dwells), 0
                 setting = _standing(one.attitude)
@@ -287,12 +312,14 @@ class MeasuredTurns:
             if turn is not None:
                 start = turn.start
                 own = found.shown(turn.rates).T
-                for length, product in _steps(own, turn.lengths, C, self.earth):
+                parts = _steps(own, turn.lengths, C, self.earth)
+                for length, product, is_more in parts:
                     yield _TracedStep(
                         attitude=C,
                         start=start,
                         length=length,
                         vector=_vector(product),
+                        is_more=is_more,
                     )
                     start += length
                     C = product @ C
@@ -401,13 +428,13 @@ def triad_of(p: Array) -> CalibratedTriad:
 
 def _steps(
     rates: Array, lengths: Array, C: Array, earth: Array
-) -> Iterator[tuple[float, Array]]:
+) -> Iterator[tuple[float, Array, bool]]:
     """Yield length and product, (3, 3), of parts of a turn, none over STEP.
 
-    Of a turn about an axis that stays the earth rate is taken off as its mean is, by
+    And whether a part is of the same mean reading as the one before it. Of a turn about an axis that stays the earth rate is taken off as its mean is, by
     the way that it takes through the body.
     """
-    length, angle, product = 0.0, 0.0, np.eye(3)
+    length, angle, product, is_more = 0.0, 0.0, np.eye(3), False
     sizes = np.linalg.norm(rates, axis=1) * lengths
     parts = np.maximum(1, np.ceil(sizes / STEP)).astype(int)
     for rate, whole, size, n in zip(
@@ -415,14 +442,19 @@ def _steps(
     ):
         mean = mean_rotation(-rate * whole) if n > 1 else np.eye(3)
         own = (rate - mean @ C @ earth) * (whole / n)
-        for _ in range(n):
-            if length and angle + size > STEP:
-                yield length, product
+        R = _small_rotation(-own)
+        for part in range(n):
+            if length and (n > 1 or angle + size > STEP):
+                yield length, product, is_more
                 length, angle, product = 0.0, 0.0, np.eye(3)
-            R = _small_rotation(-own)
+            is_more = part > 0
             product, C = R @ product, R @ C
             length, angle = length + whole / n, angle + size
-    yield length, product
+        if n > 1:
+            yield length, product, is_more
+            length, angle, product, is_more = 0.0, 0.0, np.eye(3), False
+    if length:
+        yield length, product, is_more
 
 
 def _small_rotation(v: Array) -> Array:

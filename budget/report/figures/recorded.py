@@ -189,6 +189,7 @@ def _draw(curves: Mapping[str, Sequence[AllanRow]], told: SimpleNamespace) -> Fi
     )
 
 
+@house_style()
 def draw_axes(
     x: Scale,
     y: Scale,
