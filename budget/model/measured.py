@@ -431,8 +431,9 @@ def _steps(
 ) -> Iterator[tuple[float, Array, bool]]:
     """Yield length and product, (3, 3), of parts of a turn, none over STEP.
 
-    And whether a part is of the same mean reading as the one before it. Of a turn about an axis that stays the earth rate is taken off as its mean is, by
-    the way that it takes through the body.
+    And whether a part is of the same mean reading as the one before it. Of a turn about
+    an axis that stays the earth rate is taken off as its mean is, by the way that it
+    takes through the body.
     """
     length, angle, product, is_more = 0.0, 0.0, np.eye(3), False
     sizes = np.linalg.norm(rates, axis=1) * lengths

@@ -19,6 +19,7 @@ from budget.report.figures.style import (
     Scale,
     add_plane,
     blank,
+    house_style,
 )
 from budget.report.figures.tabled import Plot, alternative_of_curves
 from budget.report.pages import figure
