@@ -31,6 +31,7 @@ LONG = 0.7  # ln of a length over the right one, of a rest that may be at anothe
 MOST_PACE = 1.2  # ln of the length of a turn over the right one, at the most
 PACE = 0.1  # of ln of lengths over those wanted: how alike, how far from 0 [1]
 ELSEWHERE = 10.0  # price of such a rest
+ABSENT = 5.0  # of a window that is not there
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,11 +175,38 @@ def _matched(
     wanted = "; ".join(f"{k + 1} {one.name}" for k, one in enumerate(windows))
     there = "; ".join(one.said for one in found if one.is_rest or one.is_back)
     raise CallError(
-        f"the windows of {name} are not all in the recording, in their order.\n"
+        f"the windows of {name} are not all in the recording, in their order"
+        f"{_of_absent(found, windows, knows=knows_attitudes)}.\n"
         f"wanted: {wanted}\nfound: {there or 'no rest of 1 s or more'}\n"
         "Record what is missing, give the times of windows (--windows), or the "
         "procedure that was run"
     )
+
+
+def _of_absent(
+    found: Sequence[RestOrTurn], windows: Sequence[Window], *, knows: bool
+) -> str:
+    """Say without which windows the others would fit; of many, that they are."""
+    rests = sum(one.is_rest for one in found)
+    if not knows:
+        return f": {rests} rests are there, {len(windows)} wanted"
+    # A turn, of which no force is known, is at the attitude of the rest before it.
+    before = [*found[:1], *found[:-1]]
+    pairs = zip(found, before, strict=True)
+    there = [x if x.is_rest else replace(x, force=y.force) for x, y in pairs]
+    _, last = _costs(there, windows, turned=np.eye(3), knows=True, skipped=ABSENT)
+    absent: list[int] = []
+    j, s = len(windows), len(found)
+    while j:
+        taken = last.get((j, s), 0)
+        if taken < 0:
+            absent.insert(0, j)
+        j -= abs(taken)
+        s -= taken >= 0
+    if len(absent) > len(windows) // 2:
+        return f": {len(absent)} of {len(windows)} are not (is it that procedure?)"
+    named = ", ".join(f"{k} {windows[k - 1].name}" for k in absent)
+    return f": without {named} they would be" if absent else ""
 
 
 def _turned_axes() -> Iterator[Array]:
@@ -205,27 +233,48 @@ def _match(
     may point elsewhere.
     """
     n, m = len(windows), len(found)
-    cost = np.full((n + 1, m + 1), inf)
-    cost[0] = 0.0
-    last: dict[tuple[int, int], int] = {}  # windows of the last segment, by state
-    groups = [_alike(windows, j) for j in range(n)]
-    unit = _turn_unit(found, windows)
-    for s in range(1, m + 1):
-        segment = found[s - 1]
-        for j in range(1, n + 1):
-            cost[j, s] = cost[j, s - 1]
-            for g in range(1, groups[j - 1] + 1):
-                own = windows[j - g : j]
-                price = cost[j - g, s - 1] + _price(segment, own, unit)
-                if price < inf and knows:
-                    price += _askew(segment, own, turned, strict=strict)
-                if price < cost[j, s]:
-                    cost[j, s], last[j, s] = price, g
+    cost, last = _costs(found, windows, turned=turned, knows=knows, strict=strict)
     price = float(cost[n, m])
     most = max(2, n // 4) * (ELSEWHERE + LONG) + n * LONG
     if price == inf or (not strict and price > most):
         return None, inf
     return _traced(found, windows, last), price
+
+
+def _costs(
+    found: Sequence[RestOrTurn],
+    windows: Sequence[Window],
+    *,
+    turned: Array,
+    knows: bool,
+    strict: bool = True,
+    skipped: float = inf,
+) -> tuple[Array, dict[tuple[int, int], int]]:
+    """Return prices of the first j windows in the first s segments, (n + 1, m + 1).
+
+    And how many windows the last segment is, by both; -1 where the last window is left
+    out, at the price of one that is `skipped`.
+    """
+    n, m = len(windows), len(found)
+    cost = np.full((n + 1, m + 1), inf)
+    cost[0] = 0.0
+    last: dict[tuple[int, int], int] = {}
+    groups = [_alike(windows, j) for j in range(n)]
+    unit = _turn_unit(found, windows)
+    for s in range(m + 1):
+        for j in range(1, n + 1):
+            if s:
+                cost[j, s] = cost[j, s - 1]
+            for g in range(1, groups[j - 1] + 1 if s else 1):
+                own, segment = windows[j - g : j], found[s - 1]
+                price = cost[j - g, s - 1] + _price(segment, own, unit)
+                if price < inf and knows:
+                    price += _askew(segment, own, turned, strict=strict)
+                if price < cost[j, s]:
+                    cost[j, s], last[j, s] = price, g
+            if cost[j - 1, s] + skipped < cost[j, s]:
+                cost[j, s], last[j, s] = cost[j - 1, s] + skipped, -1
+    return cost, last
 
 
 def _traced(
@@ -292,7 +341,7 @@ def _askew(
 ) -> float:
     """Return how far a rest is off the attitude of windows [rad]; infinite if far."""
     window = windows[0]
-    if segment.force is None or window.sense:
+    if segment.force is None:
         return 0.0
     up = window.setting.to_body @ np.array([0.0, 0.0, 1.0])
     off = acos(float(np.clip(up @ turned @ segment.force, -1.0, 1.0)))
