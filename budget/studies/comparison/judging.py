@@ -169,7 +169,7 @@ def _judge(one: Question, place: int, asked: Asked) -> Entrant:
         advice=sentence("comparisons.advice") if is_open and is_near else "",
         at_medians=found.missing is not None and prediction is not None,
         counted=judged.counted,
-        closer=None if by_law(asked) else judged,
+        closer=None if judged.trials is None else judged,
         normals=held.problem.normals_per_trial,
         impossible=tuple(compress((x.name for x in held.outputs), beyond)),
         doubtful=doubtful,

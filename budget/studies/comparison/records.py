@@ -184,7 +184,7 @@ class Entrant(Ranked):
     on_front: tuple[str, ...] = ()  # 'price', 'mass', 'power' it is Pareto-best in
     # With as many trials as the verdict took; None where nothing is known.
     counted: Counted | None = field(default=None, repr=False, compare=False)
-    # With as many as its rank took; None by the law alone, too.
+    # With as many as its rank took; None of what the law alone has judged, too.
     closer: Judged | None = field(default=None, repr=False, compare=False)
     normals: int = 0  # that a trial of its Problem draws
     impossible: tuple[str, ...] = ()  # outputs beyond their limits without any source
